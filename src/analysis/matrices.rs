@@ -117,7 +117,7 @@ impl StepMatrix {
         (!is_lost).then_some(found)
     }
 
-    fn as_exact(&self) -> Option<Operator<'_, Exact>> {
+    fn as_exact(&self) -> Option<StepWeights<'_, Exact>> {
         let points = self.points.exact.as_deref()?;
         let coarse = match &self.coarse {
             Some(coarse) => Some(coarse.exact.as_deref()?),
@@ -126,7 +126,7 @@ impl StepMatrix {
         Some((self.role, points, coarse))
     }
 
-    fn as_rounded(&self) -> Operator<'_, f64> {
+    fn as_rounded(&self) -> StepWeights<'_, f64> {
         (self.role, &self.points.rows, self.coarse.as_ref().map(|coarse| coarse.rows.as_slice()))
     }
 }
@@ -149,9 +149,9 @@ fn product(steps: &[StepMatrix], n: usize) -> Matrix {
 }
 
 /// The role of an operator, its weights of the points, and its weights of the points before the upsampling.
-type Operator<'a, T> = (Role, &'a [Vec<T>], Option<&'a [Vec<T>]>);
+type StepWeights<'a, T> = (Role, &'a [Vec<T>], Option<&'a [Vec<T>]>);
 
-fn composed<T: num_traits::Num + Clone>(steps: &[Operator<'_, T>], n: usize) -> Vec<Vec<T>> {
+fn composed<T: num_traits::Num + Clone>(steps: &[StepWeights<'_, T>], n: usize) -> Vec<Vec<T>> {
     let one = |i: usize, k: usize| if i == k { T::one() } else { T::zero() };
     let mut now: Vec<Vec<T>> = (0..n).map(|i| (0..n).map(|k| one(i, k)).collect()).collect();
     let mut anchor = now.clone();

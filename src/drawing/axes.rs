@@ -1,7 +1,7 @@
 //! The frame of a plot: axes with ticks, their labels and a grid.
 
 use super::label::Label;
-use super::scene::{Cap, Color, HorizontalAlign, Item, Mark, Point, Stroke, Text, VerticalAlign};
+use super::scene::{Cap, Color, DrawingItem, HorizontalAlign, Mark, Point, Stroke, Text, VerticalAlign};
 use super::ticks::{Tick, ticks};
 
 /// Colour of frames and of their labels.
@@ -62,7 +62,7 @@ impl Axes {
     }
 
     /// Returns the grid, which must be drawn before the plot.
-    pub fn grid(&self) -> Item {
+    pub fn grid(&self) -> DrawingItem {
         let [left, top, width, height] = self.frame;
         let mut runs = Vec::new();
         if self.grid {
@@ -76,11 +76,11 @@ impl Axes {
             }
         }
         let width_px = 0.07 * self.size_px;
-        Item::lines("grid", runs, Stroke { cap: Cap::Butt, ..Stroke::solid(width_px, GRID_COLOR) })
+        DrawingItem::lines("grid", runs, Stroke { cap: Cap::Butt, ..Stroke::solid(width_px, GRID_COLOR) })
     }
 
     /// Returns the frame with ticks and labels, which must be drawn after the plot.
-    pub fn items(&self) -> Vec<Item> {
+    pub fn items(&self) -> Vec<DrawingItem> {
         let [left, top, width, height] = self.frame;
         let [right, bottom] = [left + width, top + height];
         let size = self.size_px;
@@ -115,8 +115,9 @@ impl Axes {
                 ..self.text(label, at, HorizontalAlign::Middle, VerticalAlign::Baseline)
             });
         }
-        let frame = Item::lines("axis", runs, Stroke { cap: Cap::Butt, ..Stroke::solid(0.08 * size, FRAME_INK) });
-        let texts = texts.into_iter().map(|text| Item::new("label", Mark::Text(text)));
+        let frame =
+            DrawingItem::lines("axis", runs, Stroke { cap: Cap::Butt, ..Stroke::solid(0.08 * size, FRAME_INK) });
+        let texts = texts.into_iter().map(|text| DrawingItem::new("label", Mark::Text(text)));
         std::iter::once(frame).chain(texts).collect()
     }
 

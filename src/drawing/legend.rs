@@ -2,7 +2,9 @@
 
 use super::axes::FRAME_INK;
 use super::label::Label;
-use super::scene::{Cap, Color, Discs, HorizontalAlign, Item, Mark, Picture, Point, Stroke, Text, VerticalAlign};
+use super::scene::{
+    Cap, Color, Discs, DrawingItem, HorizontalAlign, Mark, Picture, Point, Stroke, Text, VerticalAlign,
+};
 use super::ticks::ticks;
 
 /// Colour of the background, which is slightly translucent.
@@ -49,14 +51,14 @@ impl Legend {
     }
 
     /// Returns the legend with its background; the upper left corner is at the given point.
-    pub fn items(&self, [left, top]: Point) -> Vec<Item> {
+    pub fn items(&self, [left, top]: Point) -> Vec<DrawingItem> {
         let [width, height] = self.extent();
         let size = self.size_px;
         let edge = [[0.0, 0.0], [width, 0.0], [width, height], [0.0, height], [0.0, 0.0]];
         let edge = edge.map(|[x, y]| [left + x, top + y]).to_vec();
         let mut items = vec![
-            Item::rectangle("legend", [left, top, width, height], PAPER_COLOR),
-            Item::lines("legend", vec![edge], Stroke::solid(0.07 * size, BORDER_COLOR)),
+            DrawingItem::rectangle("legend", [left, top, width, height], PAPER_COLOR),
+            DrawingItem::lines("legend", vec![edge], Stroke::solid(0.07 * size, BORDER_COLOR)),
         ];
         let mut y = top + 1.1 * size;
         for LegendEntry { key, label } in &self.entries {
@@ -71,7 +73,7 @@ impl Legend {
 
 impl LegendSample {
     /// Returns a sample, two letters wide, that starts at the given point.
-    fn item(&self, [x, y]: Point, size: f32) -> Item {
+    fn item(&self, [x, y]: Point, size: f32) -> DrawingItem {
         let mark = match self {
             Self::Line(stroke) => Mark::Lines(vec![vec![[x, y], [x + 2.2 * size, y]]], stroke.clone()),
             Self::Disc(discs) => Mark::Discs(Discs { centres: vec![[x + 1.1 * size, y]], ..discs.clone() }),
@@ -80,13 +82,13 @@ impl LegendSample {
                 Mark::Areas(vec![vec![[left, top], [right, top], [right, bottom], [left, bottom]]], *color)
             }
         };
-        Item::new("legend", mark)
+        DrawingItem::new("legend", mark)
     }
 }
 
-fn text(label: Label, at: Point, size_px: f32) -> Item {
+fn text(label: Label, at: Point, size_px: f32) -> DrawingItem {
     let (anchor, level) = (HorizontalAlign::Start, VerticalAlign::Middle);
-    Item::new("label", Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color: FRAME_INK }))
+    DrawingItem::new("label", Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color: FRAME_INK }))
 }
 
 /// Number of colours of a bar: enough that steps are invisible; twice as many would only make the file longer.
@@ -110,7 +112,7 @@ pub fn color_bar(
     label: Option<Label>,
     size_px: f32,
     end: f32,
-) -> Vec<Item> {
+) -> Vec<DrawingItem> {
     let tips = beyond.map(|is_beyond| if is_beyond { (TIP_HEIGHT * width).min(0.25 * height) } else { 0.0 });
     let (tip, top, height) = (top, top + tips[1], height - tips[0] - tips[1]);
     let shares = (0..BAR_COLORS).rev().map(|i| (f64::from(i) + 0.5) / f64::from(BAR_COLORS));
@@ -123,9 +125,9 @@ pub fn color_bar(
     let area = |k: usize| vec![corners[k][0], points[k], corners[k][1]];
     let areas = [0, 1].into_iter().filter(|k| beyond[*k]).map(|k| {
         let end = if k == 0 { 0.0 } else { 1.0 };
-        Item::new("bar", Mark::Areas(vec![area(k)], color(end)))
+        DrawingItem::new("bar", Mark::Areas(vec![area(k)], color(end)))
     });
-    let areas: Vec<Item> = areas.collect();
+    let areas: Vec<DrawingItem> = areas.collect();
     let around = [area(0), area(1), vec![[left, bottom]]].concat();
     let mut runs = vec![around];
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few ticks")]
@@ -146,6 +148,6 @@ pub fn color_bar(
         texts.push(text(label, [left, tip - 1.1 * size_px], size_px));
     }
     let frame = Stroke { cap: Cap::Butt, ..Stroke::solid(0.07 * size_px, FRAME_INK) };
-    let items = [Item::new("bar", Mark::Picture(bar)), Item::lines("axis", runs, frame)];
+    let items = [DrawingItem::new("bar", Mark::Picture(bar)), DrawingItem::lines("axis", runs, frame)];
     items.into_iter().chain(areas).chain(texts).collect()
 }

@@ -26,8 +26,8 @@ pub use legend::{Legend, LegendEntry, LegendSample, color_bar};
 pub use pdf::pdf;
 pub use pixels::pixels;
 pub use scene::{
-    Cap, Color, Discs, Drawing, Group, HorizontalAlign, Item, Lettering, Mark, Picture, Point, PolylinePoints, Stroke,
-    Text, VerticalAlign,
+    Cap, Color, Discs, Drawing, DrawingItem, Group, HorizontalAlign, Lettering, Mark, Picture, Point, PolylinePoints,
+    Stroke, Text, VerticalAlign,
 };
 pub use svg::svg;
 pub use ticks::{Tick, ticks};

@@ -9,7 +9,9 @@ use tiny_skia::{
 use ttf_parser::OutlineBuilder;
 
 use super::error::DrawError;
-use super::scene::{Cap, Color, Discs, Drawing, Group, Item, Mark, Picture, Point, PolylinePoints, Stroke, Text};
+use super::scene::{
+    Cap, Color, Discs, Drawing, DrawingItem, Group, Mark, Picture, Point, PolylinePoints, Stroke, Text,
+};
 use crate::watch::Watch;
 
 /// Number of discs painted between two checks of the watch. A check takes far less time than a disc, so that half of it
@@ -46,7 +48,7 @@ struct GroupView<'a> {
 }
 
 impl Canvas<'_> {
-    fn items(&mut self, items: &[Item], view: GroupView<'_>) -> Result<(), DrawError> {
+    fn items(&mut self, items: &[DrawingItem], view: GroupView<'_>) -> Result<(), DrawError> {
         for item in items {
             self.watch.check()?;
             match &item.mark {

@@ -19,7 +19,7 @@ pub struct Drawing {
     /// A description of the drawing, for screen readers and window titles; may be empty.
     pub title: String,
     /// The items, in painting order.
-    pub items: Vec<Item>,
+    pub items: Vec<DrawingItem>,
 }
 
 /// How letters are written in formats that can hold text.
@@ -34,7 +34,7 @@ pub enum Lettering {
 
 /// An item to paint.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Item {
+pub struct DrawingItem {
     /// The class of the item (`"curve"`, `"axis"`) for style sheets of SVG; may be empty.
     pub class: &'static str,
     /// A description of the item, shown as a tooltip in SVG; may be empty.
@@ -168,10 +168,10 @@ pub struct Group {
     /// Clip rectangle: left, top, width and height, in pixels of the group.
     pub clip: Option<[f32; 4]>,
     /// The items, in painting order.
-    pub items: Vec<Item>,
+    pub items: Vec<DrawingItem>,
 }
 
-impl Item {
+impl DrawingItem {
     /// Creates an item without a title.
     pub fn new(class: &'static str, mark: Mark) -> Self {
         Self { class, title: String::new(), mark }
@@ -204,16 +204,16 @@ impl Item {
 impl Drawing {
     /// Returns the drawing as an item of another one: as large as fits into a rectangle (left, top, width, height),
     /// centred, with its background, and clipped at its own edges.
-    pub fn into_group(self, [left, top, width, height]: [f32; 4]) -> Item {
+    pub fn into_group(self, [left, top, width, height]: [f32; 4]) -> DrawingItem {
         #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels a side")]
         let [w, h] = self.size.map(|side| side.max(1) as f32);
         let scale = (width / w).min(height / h);
         let shift = [left + 0.5 * (width - scale * w), top + 0.5 * (height - scale * h)];
         let mut items = self.items;
         if self.background[3] > 0 {
-            items.insert(0, Item::rectangle("background", [0.0, 0.0, w, h], self.background));
+            items.insert(0, DrawingItem::rectangle("background", [0.0, 0.0, w, h], self.background));
         }
         let group = Group { shift, scale, clip: Some([0.0, 0.0, w, h]), items };
-        Item::new("panel", Mark::Group(group)).titled(self.title)
+        DrawingItem::new("panel", Mark::Group(group)).titled(self.title)
     }
 }

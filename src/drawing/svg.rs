@@ -12,7 +12,7 @@ use ttf_parser::OutlineBuilder;
 use super::error::DrawError;
 use super::font::{FONT_FAMILIES, FontWeight};
 use super::scene::{
-    Cap, Discs, Drawing, Group, HorizontalAlign, Item, Lettering, Mark, Picture, PolylinePoints, Stroke, Text,
+    Cap, Discs, Drawing, DrawingItem, Group, HorizontalAlign, Lettering, Mark, Picture, PolylinePoints, Stroke, Text,
 };
 use crate::watch::Watch;
 use page::SvgPage;
@@ -52,7 +52,7 @@ struct SvgWriter<'a, 'b> {
 }
 
 impl SvgWriter<'_, '_> {
-    fn items(&mut self, items: &[Item]) -> Result<(), DrawError> {
+    fn items(&mut self, items: &[DrawingItem]) -> Result<(), DrawError> {
         for item in items {
             self.watch.check()?;
             self.page.text += "<g";
@@ -98,7 +98,7 @@ impl SvgWriter<'_, '_> {
     }
 
     /// Ends the head of an item and says what it is.
-    fn head(&mut self, item: &Item) {
+    fn head(&mut self, item: &DrawingItem) {
         self.page.text += ">\n";
         self.page.title(&item.title);
     }
@@ -128,7 +128,7 @@ impl SvgWriter<'_, '_> {
         Ok(())
     }
 
-    fn discs(&mut self, discs: &Discs, item: &Item) -> Result<(), DrawError> {
+    fn discs(&mut self, discs: &Discs, item: &DrawingItem) -> Result<(), DrawError> {
         self.page.color("fill", discs.color);
         if discs.ring_px > 0.0 {
             self.page.color("stroke", discs.ring);
@@ -235,7 +235,7 @@ impl SvgWriter<'_, '_> {
         Ok(())
     }
 
-    fn group(&mut self, group: &Group, item: &Item) -> Result<(), DrawError> {
+    fn group(&mut self, group: &Group, item: &DrawingItem) -> Result<(), DrawError> {
         let page = &mut *self.page;
         page.number(" transform=\"translate(", group.shift[0]);
         page.number(" ", group.shift[1]);

@@ -25,7 +25,7 @@ use crate::output::FORMATS;
 const MAX_AGE_S: u64 = 86_400;
 
 /// The path parameters of a signed address: signature, expiry, and one name.
-type Named = Result<Path<(String, String, String)>, axum::extract::rejection::PathRejection>;
+type SignedPath = Result<Path<(String, String, String)>, axum::extract::rejection::PathRejection>;
 
 /// Renders the job of a signed address, and answers with the bytes: what `<img>` and `<model-viewer>` show without a
 /// key.
@@ -55,7 +55,7 @@ pub(super) async fn signed(
     client: Client,
     headers: HeaderMap,
     uri: Uri,
-    path: Named,
+    path: SignedPath,
 ) -> Response {
     match path {
         Ok(Path((_, _, job))) => shown(&app, &client, headers, &uri, &job).await,
@@ -144,7 +144,12 @@ async fn shown(app: &SharedApp, client: &Client, mut headers: HeaderMap, uri: &U
         (status = 204, description = "The client has seen the end"),
     )
 )]
-pub(super) async fn signed_events(app: State<SharedApp>, client: Client, path: Named, headers: HeaderMap) -> Response {
+pub(super) async fn signed_events(
+    app: State<SharedApp>,
+    client: Client,
+    path: SignedPath,
+    headers: HeaderMap,
+) -> Response {
     match path {
         Ok(Path((_, _, id))) => events::events(app, client, PathSegment(id), headers).await,
         Err(_) => no_text().into_response(),
@@ -172,7 +177,7 @@ pub(super) async fn signed_events(app: State<SharedApp>, client: Client, path: N
 pub(super) async fn signed_batch_events(
     app: State<SharedApp>,
     client: Client,
-    path: Named,
+    path: SignedPath,
     headers: HeaderMap,
 ) -> Response {
     match path {
@@ -202,7 +207,7 @@ pub(super) async fn signed_batch_events(
 pub(super) async fn signed_artifact(
     app: State<SharedApp>,
     client: Client,
-    path: Named,
+    path: SignedPath,
     method: Method,
     headers: HeaderMap,
 ) -> Response {

@@ -94,10 +94,10 @@ fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result
         }
     }
     body.end()?;
-    let is_parted = header.is_own && !reading.uvs.is_empty();
+    let is_split = header.is_own && !reading.uvs.is_empty();
     let mesh = reading.finish(&header.names);
     // texture coordinates of vertices split them at seams, which were not boundaries before
-    Ok(ReadMesh { vertices: is_parted.then_some(Vertices::Doubled), ..mesh })
+    Ok(ReadMesh { vertices: is_split.then_some(Vertices::Doubled), ..mesh })
 }
 
 /// Returns the name of the face list if it is wrongly a property of the vertices.

@@ -8,7 +8,7 @@ mod scene;
 mod tokens;
 mod tree;
 
-use self::tree::{Layer, Value, metadata_value};
+use self::tree::{Layer, UsdaValue, metadata_value};
 use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::room::MemoryBudget;
 use super::text::text;
@@ -43,7 +43,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     let mut room = MemoryBudget::new(bytes.len());
     let layer = tree::read(&text, &mut room)?;
     let (unit, scale) = unit(&layer)?;
-    let up = match metadata_value(&layer.metadata, "upAxis").and_then(Value::word) {
+    let up = match metadata_value(&layer.metadata, "upAxis").and_then(UsdaValue::word) {
         None | Some("Y") => Up::Y,
         Some("Z") => Up::Z,
         Some(other) => return Err(format!("upAxis is {other:?}; it is Y or Z")),
@@ -54,7 +54,7 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
 
 /// Returns the unit of a layer, and the factor that converts lengths to it, if needed.
 fn unit(layer: &Layer<'_>) -> Result<(Unit, Option<f64>), String> {
-    let metres = metadata_value(&layer.metadata, "metersPerUnit").map_or(Some(DEFAULT_UNIT_M), Value::number);
+    let metres = metadata_value(&layer.metadata, "metersPerUnit").map_or(Some(DEFAULT_UNIT_M), UsdaValue::number);
     let metres = metres.filter(|&x| x.is_finite() && x > 0.0).ok_or("metersPerUnit is no length above 0")?;
     let is_it = |unit: &Unit| (unit.metres() - metres).abs() <= UNIT_TOLERANCE * metres;
     let known = [Unit::Metre, Unit::Millimetre, Unit::Centimetre, Unit::Inch].into_iter().find(is_it);

@@ -2,9 +2,9 @@
 
 use super::input::Input;
 use super::key::{self, Key};
-use super::matrices::{AskedMatrices, FoundMatrices, MatricesWish};
+use super::matrices::{AskedMatrices, FoundMatrices, RequestedMatrices};
 use super::polygon_survey::{MAX_SURVEYED_POINTS, PolygonSurvey, SurveyedPolygons};
-use super::scan::{self, ScanWish};
+use super::scan::{self, RequestedScan};
 use crate::analysis::curve::{self, NoMask};
 use crate::analysis::scan::{MAX_BETWEEN, Scan, Scanned};
 use crate::analysis::smoothness::{BasicFunction, SmoothnessReport};
@@ -68,15 +68,15 @@ enum AnalysisSubject {
 
 /// The parts of an analysis that a client requests.
 #[derive(Debug, Clone, Default)]
-pub struct Wishes {
+pub struct RequestedFindings {
     /// Maximum number of matrix products in the search for bounds; in a scan, at each value of the parameter.
     pub nodes: Option<u64>,
     /// The number of refinement steps of the grid on which the basic limit function is evaluated.
     pub grid: Option<u32>,
     /// The matrices of one step, if requested.
-    pub matrices: Option<MatricesWish>,
+    pub matrices: Option<RequestedMatrices>,
     /// The scan of a parameter, if requested.
-    pub scan: Option<ScanWish>,
+    pub scan: Option<RequestedScan>,
     /// Polygons to be refined by the plan, if any.
     pub input: Option<Input>,
     /// Whether functions are plotted, for which the grid is as fine as a plot shows if none is requested.
@@ -124,20 +124,20 @@ impl Analysis {
     ///
     /// # Errors
     /// Every fault found, with pointers into the request.
-    pub fn new(plan: &PlanInput, wishes: &Wishes, watch: &Watch) -> Result<Self, Vec<Fault>> {
-        let usual = if wishes.scan.is_some() { DEFAULT_SCAN_NODES } else { DEFAULT_NODES };
-        let nodes = wishes.nodes.unwrap_or(usual);
+    pub fn new(plan: &PlanInput, requested: &RequestedFindings, watch: &Watch) -> Result<Self, Vec<Fault>> {
+        let usual = if requested.scan.is_some() { DEFAULT_SCAN_NODES } else { DEFAULT_NODES };
+        let nodes = requested.nodes.unwrap_or(usual);
         let mut faults = Vec::new();
         if nodes > MAX_NODES {
             let detail = format!("{nodes} products of matrices; at most {MAX_NODES} are looked at");
             faults.push(Fault::new("/nodes", detail));
         }
-        let asked = match &wishes.scan {
-            None => scheme(plan, wishes, watch),
-            Some(_) if wishes.grid.is_some() => Err(useless_beside_scan("grid")),
-            Some(_) if wishes.input.is_some() => Err(useless_beside_scan("input")),
-            Some(_) if wishes.matrices.is_some() => Err(useless_beside_scan("matrices")),
-            Some(wish) => scan::scan(plan, wish, [nodes, MAX_NODES], |input| study(input, watch))
+        let asked = match &requested.scan {
+            None => scheme(plan, requested, watch),
+            Some(_) if requested.grid.is_some() => Err(useless_beside_scan("grid")),
+            Some(_) if requested.input.is_some() => Err(useless_beside_scan("input")),
+            Some(_) if requested.matrices.is_some() => Err(useless_beside_scan("matrices")),
+            Some(scanned) => scan::scan(plan, scanned, [nodes, MAX_NODES], |input| study(input, watch))
                 .map(|scan| AnalysisSubject::Scan(Box::new(scan))),
         };
         match asked {
@@ -241,9 +241,9 @@ impl Analysis {
     }
 }
 
-fn scheme(input: &PlanInput, wishes: &Wishes, watch: &Watch) -> Result<AnalysisSubject, Vec<Fault>> {
+fn scheme(input: &PlanInput, requested: &RequestedFindings, watch: &Watch) -> Result<AnalysisSubject, Vec<Fault>> {
     let study = study(input, watch).map_err(|found| under("/plan", found))?;
-    let on = wishes.input.as_ref().map(|shape| {
+    let on = requested.input.as_ref().map(|shape| {
         let plan = shape.plan(input).map_err(|found| under("/plan", found))?;
         Ok::<_, Vec<Fault>>(Box::new(SurveyedPolygons { input: shape.clone(), plan }))
     });
@@ -251,15 +251,16 @@ fn scheme(input: &PlanInput, wishes: &Wishes, watch: &Watch) -> Result<AnalysisS
     let count = |grid: u32| BasicFunction::count(&study.settled, grid);
     let plotted =
         || (1..=MAX_GRID).take_while(|grid| count(*grid).is_some_and(|n| n <= MAX_PLOTTED_VALUES)).last().unwrap_or(1);
-    let grid = wishes.grid.or_else(|| wishes.is_plotted.then(plotted));
+    let grid = requested.grid.or_else(|| requested.is_plotted.then(plotted));
     if let Some(grid) = grid
         && count(grid).is_none_or(|count| count > MAX_VALUES)
     {
         let detail = format!("a grid of {grid} steps has more than {MAX_VALUES} values here; ask for a coarser one");
         return Err(vec![Fault::new("/grid", detail)]);
     }
-    let of_plan = |wish: MatricesWish| AskedMatrices::of(&Plan::resolve(input, Subject::default())?, &study, wish);
-    let matrices = wishes.matrices.map(of_plan).transpose()?;
+    let of_plan =
+        |matrices: RequestedMatrices| AskedMatrices::of(&Plan::resolve(input, Subject::default())?, &study, matrices);
+    let matrices = requested.matrices.map(of_plan).transpose()?;
     Ok(AnalysisSubject::Scheme { study: Box::new(study), grid, matrices, on })
 }
 

@@ -187,8 +187,8 @@ impl Evaluation {
         let mesh = self.admitted.estimate().memory_bytes;
         let pieces = match self.mesh().filter(|_| !self.closest.is_empty()).map(CageCounts::of) {
             Some(cage) => {
-                let pieces = cage.faces + 4 * cage.irregular + cage.semi_sharp;
-                pieces * BICUBIC_PIECE_BYTES + 4 * cage.irregular * END_BYTES
+                let pieces = cage.faces + 4 * cage.extraordinary + cage.semi_sharp;
+                pieces * BICUBIC_PIECE_BYTES + 4 * cage.extraordinary * END_BYTES
             }
             None => 0,
         };
@@ -212,7 +212,7 @@ impl Evaluation {
     pub fn milliseconds(&self) -> u128 {
         let Some(mesh) = self.mesh() else { return 0 };
         let cage = if self.closest.is_empty() { CageCounts::default() } else { CageCounts::of(mesh) };
-        let all = cage.irregular + cage.faces / 16;
+        let all = cage.extraordinary + cage.faces / 16;
         let rings = rings(mesh, &self.at) + all;
         let points = self.closest.len() as u128 * POINT_NS;
         (self.at.len() as u128 * PLACE_NS + rings * RING_NS + points) / 1_000_000

@@ -40,7 +40,7 @@ pub(super) fn limit_patches(job: &Job, forecast: &Forecast) -> LimitCost {
     let (topology, cycle) = (&mesh.topology, &job.plan.word.cycle);
     let regular = |v: &usize| topology.boundary_edges(*v).is_none() && topology.ring(*v).take(5).count() == 4;
     let of_quads = mesh.attributes.is_none() && job.plan.tile() == Tile::Quad;
-    let irregular = if of_quads {
+    let extraordinary = if of_quads {
         let fours = |n: usize| n.div_ceil(4);
         let uneven = (0..topology.n_vertices()).filter(|v| !regular(v));
         let vertices: usize = uneven.map(|v| fours(topology.ring(v).count())).sum();
@@ -62,5 +62,5 @@ pub(super) fn limit_patches(job: &Job, forecast: &Forecast) -> LimitCost {
         0 => Follow::Connectivity,
         _ => Follow::VertexParameters,
     };
-    limit_cost(cycle, 1 << kinds, irregular, vertices, follow)
+    limit_cost(cycle, 1 << kinds, extraordinary, vertices, follow)
 }

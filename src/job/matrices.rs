@@ -16,7 +16,7 @@ pub(super) const MAX_POWERS: u32 = 8;
 
 /// The polygon whose matrices are requested, and the number of powers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct MatricesWish {
+pub struct RequestedMatrices {
     /// Number of points of the polygon.
     pub points: u32,
     /// Whether the last point is joined to the first.
@@ -28,7 +28,7 @@ pub struct MatricesWish {
 /// The matrices of a request, checked.
 #[derive(Debug, Clone)]
 pub(super) struct AskedMatrices {
-    wish: MatricesWish,
+    requested: RequestedMatrices,
     of_steps: StepMatrices,
 }
 
@@ -50,8 +50,8 @@ impl AskedMatrices {
     ///
     /// # Errors
     /// Every fault found, with pointers into the request.
-    pub(super) fn of(plan: &Plan, study: &Study, wish: MatricesWish) -> Result<Self, Vec<Fault>> {
-        let MatricesWish { points, closed, powers } = wish;
+    pub(super) fn of(plan: &Plan, study: &Study, requested: RequestedMatrices) -> Result<Self, Vec<Fault>> {
+        let RequestedMatrices { points, closed, powers } = requested;
         let bounds = [("points", points, MAX_MATRIX_POINTS), ("powers", powers, MAX_POWERS)];
         let faults = bounds.into_iter().filter(|(_, n, most)| !(1..=*most).contains(n)).map(|(name, n, most)| {
             Fault::new(format!("/matrices/{name}"), format!("{n} {name}; write a whole number from 1 to {most}"))
@@ -65,19 +65,22 @@ impl AskedMatrices {
             return Err(fault(NoMatrices::TooLarge));
         }
         let of_steps = StepMatrices::of(plan, points as usize, closed, study.levels.is_empty()).map_err(fault)?;
-        Ok(Self { wish, of_steps })
+        Ok(Self { requested, of_steps })
     }
 
     /// Returns the matrices for a report on the scheme.
     pub(super) fn found(&self, report: &SmoothnessReport) -> FoundMatrices<'_> {
-        let powers = Powers::of(&report.symbol, report.limit_mask.as_ref(), self.wish.powers);
-        let MatricesWish { points, closed, .. } = self.wish;
+        let powers = Powers::of(&report.symbol, report.limit_mask.as_ref(), self.requested.powers);
+        let RequestedMatrices { points, closed, .. } = self.requested;
         FoundMatrices { points, closed, of_steps: &self.of_steps, powers }
     }
 
     /// Returns the item of the request for a key.
     pub(super) fn item(&self) -> Item<'static> {
-        let Self { wish: MatricesWish { points, closed, powers }, of_steps: StepMatrices { steps, product: _ } } = self;
+        let Self {
+            requested: RequestedMatrices { points, closed, powers },
+            of_steps: StepMatrices { steps, product: _ },
+        } = self;
         let of_one = |step: &StepMatrix| {
             let StepMatrix { letter: _, name, role: _, points, coarse } = step;
             Item::List([Item::text(name), matrix(points)].into_iter().chain(coarse.as_ref().map(matrix)).collect())

@@ -46,7 +46,7 @@ mod weights;
 mod work;
 
 pub use analysis::{
-    Analysis, DEFAULT_NODES, DEFAULT_SCAN_NODES, Findings, MAX_NODES, MAX_VALUES, SchemeFindings, Wishes,
+    Analysis, DEFAULT_NODES, DEFAULT_SCAN_NODES, Findings, MAX_NODES, MAX_VALUES, RequestedFindings, SchemeFindings,
 };
 pub use comparison::{Compared, Comparison, PngFile, Side, Tolerances, USUAL_THRESHOLD};
 pub use complete::{Figure, Job};
@@ -59,13 +59,13 @@ pub use form::Form;
 pub use input::Input;
 pub use inquiry::{Inquiry, is_for_meshes};
 pub use levels::{Levels, ResolvedLevel};
-pub use matrices::{FoundMatrices, MatricesWish};
+pub use matrices::{FoundMatrices, RequestedMatrices};
 pub use mesh_survey::Survey;
 pub use output::Output;
 pub use polygon_survey::PolygonSurvey;
 pub use report::Report;
 pub use run::{run, run_keeping};
-pub use scan::{MAX_SCAN_STEPS, ScanWish};
+pub use scan::{MAX_SCAN_STEPS, RequestedScan};
 pub use search::{Search, SearchCost, SearchError};
 pub use surface_analysis::{AnalysedVertices, MAX_FAN_FACES, MAX_VALENCE, SurfaceAnalysis, SurfaceFindings};
 pub use tube_analysis::{TubeAnalysis, TubeFindings, TubeInput};

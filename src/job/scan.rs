@@ -20,7 +20,7 @@ use crate::scheme::presets::PRESETS;
 pub const MAX_SCAN_STEPS: u32 = 1000;
 /// A scan as a client requests it.
 #[derive(Debug, Clone)]
-pub struct ScanWish {
+pub struct RequestedScan {
     /// The name of the parameter.
     pub parameter: String,
     /// Its first value.
@@ -38,11 +38,11 @@ pub struct ScanWish {
 /// Every fault found, with pointers into the request.
 pub(super) fn scan(
     plan: &PlanInput,
-    wish: &ScanWish,
+    requested: &RequestedScan,
     [nodes, most]: [u64; 2],
     study: impl Fn(&PlanInput) -> Result<Study, Vec<Fault>>,
 ) -> Result<Scan, Vec<Fault>> {
-    let ScanWish { parameter, from, to, steps } = wish;
+    let RequestedScan { parameter, from, to, steps } = requested;
     let mut faults = Vec::new();
     if !(1..=MAX_SCAN_STEPS).contains(steps) {
         let detail = format!("{steps} steps; write a whole number from 1 to {MAX_SCAN_STEPS}");

@@ -5,6 +5,8 @@ use super::functions::sqrt;
 
 /// A point or a vector of space.
 pub type Vector = [f64; 3];
+/// A complex number: its real and its imaginary part.
+pub type Complex = [f64; 2];
 
 /// The sum of two vectors.
 #[must_use]

@@ -95,7 +95,7 @@ pub(super) fn report(certificate: &solid::Certificate) -> Value {
         json!({
             "faces": shell.faces.len(),
             "is_closed": shell.is_closed,
-            "was_inside_out": shell.was_turned,
+            "was_inside_out": shell.was_inside_out,
             "area": shell.area,
             "volume": shell.is_closed.then_some(shell.volume),
             "euler_characteristic": shell.euler,

@@ -24,7 +24,7 @@ pub(super) fn broken(error: Error) -> FormatError {
 
 /// A view of a buffer as a stream.
 #[derive(Debug)]
-pub(super) struct Encoded {
+pub(super) struct EncodedStream {
     /// The stream.
     pub(super) bytes: Vec<u8>,
     count: usize,
@@ -33,7 +33,7 @@ pub(super) struct Encoded {
     filter: Option<&'static str>,
 }
 
-impl Encoded {
+impl EncodedStream {
     /// Encodes rows of `stride` bytes, a multiple of 4 of at most 256, without loss.
     pub(super) fn rows(rows: &[u8], stride: usize, workspace: &mut Workspace) -> Result<Self, FormatError> {
         let count = rows.len() / stride;
@@ -82,7 +82,7 @@ mod tests {
     use crate::output::gltf_order::workspace;
 
     /// Returns the bytes that a reader of the extension decodes from a stream.
-    fn decoded(encoded: &Encoded) -> Vec<u8> {
+    fn decoded(encoded: &EncodedStream) -> Vec<u8> {
         let mode = Mode::parse(encoded.mode).expect("a known mode");
         let filter = Filter::parse(encoded.filter.unwrap_or("NONE")).expect("a known filter");
         let view = BufferView::new(mode, filter, encoded.count, encoded.stride).expect("a layout");
@@ -95,7 +95,7 @@ mod tests {
             for count in [1_usize, 15, 16, 17, 255, 256, 257, 2_000] {
                 let byte = |i: usize| u8::try_from(((i * i / 7) ^ (i >> 3)) % 256).expect("below 256");
                 let rows: Vec<u8> = (0..count * stride).map(byte).collect();
-                let encoded = Encoded::rows(&rows, stride, &mut workspace()).expect("it is encoded");
+                let encoded = EncodedStream::rows(&rows, stride, &mut workspace()).expect("it is encoded");
                 assert_eq!(decoded(&encoded), rows, "{count} rows of {stride} bytes");
                 assert_eq!(encoded.bytes[0], 0xa0, "version 0, which all decoders of the extension read");
             }
@@ -106,7 +106,7 @@ mod tests {
     fn triangles_are_restored_but_for_turns() {
         let triangles: Vec<[u32; 3]> = (0..3_000_u32).map(|i| [i / 2, (i * 7) % 1_501, i / 2 + 1]).collect();
         for stride in [2, 4] {
-            let encoded = Encoded::triangles(&triangles, stride, &mut workspace()).expect("it is encoded");
+            let encoded = EncodedStream::triangles(&triangles, stride, &mut workspace()).expect("it is encoded");
             let found = decoded(&encoded);
             let number = |bytes: &[u8]| bytes.iter().rev().fold(0, |n, &byte| 256 * n + u32::from(byte));
             let corners: Vec<u32> = found.chunks_exact(stride).map(number).collect();
@@ -126,7 +126,7 @@ mod tests {
             v.map(|x| x / length)
         };
         let rows: Vec<[f32; 3]> = all.filter(|v| v.iter().any(|&x| x != 0.0)).map(unit).collect();
-        let found = decoded(&Encoded::directions(&rows, &mut workspace()).expect("it is encoded"));
+        let found = decoded(&EncodedStream::directions(&rows, &mut workspace()).expect("it is encoded"));
         for (row, found) in rows.iter().zip(found.as_chunks::<4>().0) {
             let found = unit([found[0], found[1], found[2]].map(|x| f32::from(x.cast_signed())));
             let cosine: f32 = row.iter().zip(found).map(|(x, y)| x * y).sum();

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 
 use crate::output::error::FormatError;
 use crate::output::gltf_buffer::Buffer;
-use crate::output::gltf_codec::Encoded;
+use crate::output::gltf_codec::EncodedStream;
 use crate::output::gltf_document::{buffer_of, model, unwritten};
 use crate::output::gltf_grid::{PositionGrid, UNIT_ERROR, direction, unit};
 use crate::output::gltf_order::{Aim, TriangleOrder, workspace};
@@ -129,7 +129,7 @@ struct Column<'a> {
     bytes: Cow<'a, [u8]>,
     /// Bytes per row of an attribute.
     stride: Option<usize>,
-    encoded: Option<Encoded>,
+    encoded: Option<EncodedStream>,
 }
 
 struct Packer<'a> {
@@ -174,7 +174,7 @@ impl Packer<'_> {
                 let Some(TriangleOrder { triangles, .. }) = &self.order else {
                     return Ok(Column { bytes: bytes.into(), stride: None, encoded: None });
                 };
-                let encode = || Encoded::triangles(triangles, stride, &mut self.workspace);
+                let encode = || EncodedStream::triangles(triangles, stride, &mut self.workspace);
                 let encoded = self.packing.encodes.then(encode).transpose()?;
                 let corners = triangles.as_flattened().iter();
                 let bytes: Vec<u8> = corners.flat_map(|v| v.to_le_bytes().into_iter().take(stride)).collect();
@@ -183,7 +183,7 @@ impl Packer<'_> {
             ViewRole::OfTriangles => {
                 let former = self.order.as_ref().map(|order| &order.former);
                 let bytes = permuted(bytes, 4, former);
-                let encode = || Encoded::rows(&bytes, 4, &mut self.workspace);
+                let encode = || EncodedStream::rows(&bytes, 4, &mut self.workspace);
                 let encoded = self.packing.encodes.then(encode).transpose()?;
                 Ok(Column { bytes, stride: None, encoded })
             }
@@ -211,7 +211,7 @@ impl Packer<'_> {
             }
             Semantic::Normals => {
                 let vectors = vectors(numbers());
-                let encode = || Encoded::directions(&vectors, &mut self.workspace);
+                let encode = || EncodedStream::directions(&vectors, &mut self.workspace);
                 encoded = self.packing.encodes.then(encode).transpose()?;
                 let small = vectors.iter().flat_map(|&[x, y, z]| [x, y, z, 0.0].map(direction));
                 stored = Some((ComponentType::I8, 4, small.flat_map(i8::to_le_bytes).collect()));
@@ -236,7 +236,7 @@ impl Packer<'_> {
             }
         };
         if self.packing.encodes && encoded.is_none() {
-            encoded = Some(Encoded::rows(&rows, stride, &mut self.workspace)?);
+            encoded = Some(EncodedStream::rows(&rows, stride, &mut self.workspace)?);
         }
         Ok(Column { bytes: rows, stride: Some(stride), encoded })
     }

@@ -98,8 +98,8 @@ fn mixed_area(face: &[u32], positions: &[[f64; 3]], unit_normals: &[[f64; 3]], s
 
 /// Returns unit normals of vertices that are exact if all vertices lie on a sphere, and otherwise are those of a fitted
 /// sphere: at each vertex the sum over its faces of `a x b / (|a|^2 |b|^2)`, with a and b the edges to the next and the
-/// previous vertex of the face. Around vertices of irregular neighbourhoods normals weighted by area are off by the
-/// edge length h, and curvature computed from them by a constant; these normals are not.
+/// previous vertex of the face. Around vertices whose neighbourhood is not symmetric, normals weighted by area are off
+/// by the edge length h, and curvature computed from them by a constant; these normals are not.
 ///
 /// Source: N. Max, Journal of Graphics Tools 4 (1999) 2, 1-6.
 fn fitted_normals(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {

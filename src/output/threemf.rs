@@ -105,8 +105,9 @@ impl Format for ThreeMf {
         let mut package = Package::new(out);
         package.file(types, |out| Ok::<_, FormatError>(out.write_all(TYPES.as_bytes())?))?;
         package.file(relations, |out| Ok::<_, FormatError>(out.write_all(RELATIONS.as_bytes())?))?;
-        let is_parted = options.choice(PARTS.name) == Some(COMPONENTS);
-        package.file(model, |out| write_model(mesh, scene.frame, is_parted, &mut Stream::new(out, watch), watch))?;
+        let has_components = options.choice(PARTS.name) == Some(COMPONENTS);
+        package
+            .file(model, |out| write_model(mesh, scene.frame, has_components, &mut Stream::new(out, watch), watch))?;
         Ok(package.finish()?)
     }
 }
@@ -163,7 +164,7 @@ impl Costs for ThreeMf {
 fn write_model(
     mesh: &dyn MeshSource,
     Frame { unit, up }: Frame,
-    is_parted: bool,
+    has_components: bool,
     stream: &mut Stream<'_>,
     watch: &Watch,
 ) -> Result<(), FormatError> {
@@ -182,7 +183,7 @@ fn write_model(
     stream.bytes(head.as_bytes())?;
     let looks = TriangleMaterials::of(mesh);
     looks.resources(stream)?;
-    let n = if is_parted { write_parts(mesh, looks, stream, watch)? } else { write_one(mesh, looks, stream)? };
+    let n = if has_components { write_parts(mesh, looks, stream, watch)? } else { write_one(mesh, looks, stream)? };
     stream.bytes(b"</resources>\n<build>\n")?;
     let upright = if up == Up::Y { UPRIGHT } else { "" };
     for object in 0..n {
@@ -281,8 +282,8 @@ fn model_length(counts: &Counts, options: &Values) -> u128 {
     let carried = &counts.attachments;
     let index = digits(counts.vertices);
     let color = if color(carried).is_some() { b"<m:color color=\"#RRGGBBAA\"/>\n".len() as u128 } else { 0 };
-    let is_parted = options.choice(PARTS.name) == Some(COMPONENTS);
-    let n_parts = if is_parted { counts.faces.min(MAX_PARTS as u128) } else { 1 };
+    let has_components = options.choice(PARTS.name) == Some(COMPONENTS);
+    let n_parts = if has_components { counts.faces.min(MAX_PARTS as u128) } else { 1 };
     let longest = carried.groups.names.iter().map(String::len).max().unwrap_or_default() as u128;
     let vertex = b"<vertex x=\"\" y=\"\" z=\"\"/>\n".len() as u128 + 3 * REAL_BYTES;
     let own = b"<triangle v1=\"\" v2=\"\" v3=\"\"/>\n".len() as u128 + 3 * index;

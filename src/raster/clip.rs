@@ -5,7 +5,7 @@ use super::project::GUARD_BAND;
 
 /// A corner of a clipped polygon: its view coordinates and its barycentric coordinates in the original triangle.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Corner {
+pub(super) struct ClippedCorner {
     /// See [`Camera::view`].
     pub(super) seen: [f64; 4],
     /// Barycentric coordinates in the original triangle.
@@ -40,12 +40,13 @@ fn mix(a: f64, b: f64, t: f64) -> f64 {
 
 /// The part of a triangle (view coordinates) inside near plane and guard band: a convex polygon of up to eight corners,
 /// empty when nothing remains or a coordinate is not finite. Source: I. Sutherland, G. Hodgman, CACM 17 (1974), 32-42.
-pub(super) fn polygon(camera: &Camera, triangle: [[f64; 4]; 3]) -> Vec<Corner> {
+pub(super) fn polygon(camera: &Camera, triangle: [[f64; 4]; 3]) -> Vec<ClippedCorner> {
     if triangle.iter().flatten().any(|x| !x.is_finite()) {
         return Vec::new();
     }
     let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let mut corners: Vec<Corner> = (0..3).map(|i| Corner { seen: triangle[i], shares: unit[i] }).collect();
+    let mut corners: Vec<ClippedCorner> =
+        (0..3).map(|i| ClippedCorner { seen: triangle[i], shares: unit[i] }).collect();
     for plane in 0..5 {
         let mut kept = Vec::with_capacity(corners.len() + 1);
         for (i, here) in corners.iter().enumerate() {
@@ -56,7 +57,7 @@ pub(super) fn polygon(camera: &Camera, triangle: [[f64; 4]; 3]) -> Vec<Corner> {
             }
             if (a >= 0.0) != (b >= 0.0) {
                 let t = a / (a - b);
-                kept.push(Corner {
+                kept.push(ClippedCorner {
                     seen: [0, 1, 2, 3].map(|k| mix(here.seen[k], next.seen[k], t)),
                     shares: [0, 1, 2].map(|k| mix(here.shares[k], next.shares[k], t)),
                 });

@@ -29,7 +29,7 @@ pub(super) trait RowKey: Copy + Ord + Send + 'static {
 }
 
 /// Encodes the record of a row; returns `None` if the record is to be removed.
-type Encoded<R> = dyn Fn(&R) -> Option<Vec<u8>> + Send + Sync;
+type RowEncoder<R> = dyn Fn(&R) -> Option<Vec<u8>> + Send + Sync;
 
 /// The writer of one table.
 pub(super) struct Journal<R: RowKey> {
@@ -39,7 +39,7 @@ pub(super) struct Journal<R: RowKey> {
 struct SharedJournal<R> {
     /// The store of records; `None` after the thread has ended.
     records: Mutex<Option<Arc<dyn Records>>>,
-    encoded: Box<Encoded<R>>,
+    encoded: Box<RowEncoder<R>>,
     pending: Mutex<PendingRows<R>>,
     changed: Condvar,
 }

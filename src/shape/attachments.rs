@@ -172,7 +172,7 @@ impl Attachments {
     pub fn new(
         input: AttachmentsInput,
         n_vertices: usize,
-        checked @ CheckedTopology { topology, split_from: _, turned }: &CheckedTopology,
+        checked @ CheckedTopology { topology, split_from: _, reversed }: &CheckedTopology,
     ) -> Result<Self, Vec<Fault>> {
         let AttachmentsInput { channels, groups, materials, mut looks, uvs } = input;
         let n_faces = topology.n_faces();
@@ -184,7 +184,7 @@ impl Attachments {
         };
         let (groups, materials) = (labels(groups, "/groups"), labels(materials, "/materials"));
         let uvs = uvs.map(|UvsInput { values, seams }| {
-            let (seams, values) = Seams::new(&seams, (2, values.as_flattened()), topology, turned)?;
+            let (seams, values) = Seams::new(&seams, (2, values.as_flattened()), topology, reversed)?;
             Ok(Uvs { values, seams })
         });
         let uvs = uvs.transpose().map_err(|found| under("/uvs", found));
@@ -204,11 +204,11 @@ impl Attachments {
 /// Transfers a channel to the checked mesh, whose vertices may have been split.
 fn of_parts(
     channel: ChannelInput,
-    CheckedTopology { topology, split_from, turned }: &CheckedTopology,
+    CheckedTopology { topology, split_from, reversed }: &CheckedTopology,
 ) -> Result<Channel, Vec<Fault>> {
     let Channel { name, width, mut values, seams } = channel;
     if let Some(seams) = seams {
-        let found = Seams::new(&seams, (width, &values), topology, turned);
+        let found = Seams::new(&seams, (width, &values), topology, reversed);
         let (seams, values) = found.map_err(|found| under(&format!("/channels/{}", token(&name)), found))?;
         return Ok(Channel { name, width, values, seams: Some(seams) });
     }

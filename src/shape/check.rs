@@ -116,9 +116,9 @@ pub fn oriented(
         check_edges(faces, &sides)?;
         return orient(faces, &sides, winding);
     }
-    let turned = if winding == Winding::Repair { turns(faces, &sides).0 } else { Vec::new() };
-    turned.iter().for_each(|&f| faces.reverse(f as usize));
-    Ok(turned)
+    let reversed = if winding == Winding::Repair { faces_to_reverse(faces, &sides).0 } else { Vec::new() };
+    reversed.iter().for_each(|&f| faces.reverse(f as usize));
+    Ok(reversed)
 }
 
 /// Reports the first of some faults, and the number of the others, which are not kept: their messages would be longer
@@ -239,7 +239,7 @@ pub(super) fn orient(faces: &mut FaceList, sides: &[FaceSide], winding: Winding)
     if wrong.is_empty() {
         return Ok(Vec::new());
     }
-    let (turned, conflict) = turns(faces, sides);
+    let (reversed, conflict) = faces_to_reverse(faces, sides);
     if let Some(conflict) = conflict {
         return Err(vec![conflict]);
     }
@@ -255,10 +255,10 @@ pub(super) fn orient(faces: &mut FaceList, sides: &[FaceSide], winding: Winding)
         });
         report(faults)?;
     }
-    for &f in &turned {
+    for &f in &reversed {
         faces.reverse(f as usize);
     }
-    Ok(turned)
+    Ok(reversed)
 }
 
 /// A neighbouring face, whether it runs along the common edge in the same direction, and that edge.
@@ -266,7 +266,7 @@ type Neighbour = (usize, bool, (u32, u32));
 
 /// Returns the faces to reverse so that all agree with the lowest face of their component, found by a search over
 /// neighbours, and a fault for the first two neighbours that cannot agree.
-pub(super) fn turns(faces: &FaceList, sides: &[FaceSide]) -> (Vec<u32>, Option<Fault>) {
+pub(super) fn faces_to_reverse(faces: &FaceList, sides: &[FaceSide]) -> (Vec<u32>, Option<Fault>) {
     let mut neighbours: Vec<Vec<Neighbour>> = vec![Vec::new(); faces.len()];
     for group in groups(sides).filter(|group| group.len() == 2) {
         let [f, g] = [owner(faces, group[0].1), owner(faces, group[1].1)];
@@ -274,21 +274,21 @@ pub(super) fn turns(faces: &FaceList, sides: &[FaceSide]) -> (Vec<u32>, Option<F
         neighbours[f].push((g, same, group[0].0));
         neighbours[g].push((f, same, group[0].0));
     }
-    let mut turn: Vec<Option<bool>> = vec![None; faces.len()];
+    let mut is_reversed: Vec<Option<bool>> = vec![None; faces.len()];
     let mut conflict = None;
     for first in 0..faces.len() {
-        if turn[first].is_some() {
+        if is_reversed[first].is_some() {
             continue;
         }
-        turn[first] = Some(false);
+        is_reversed[first] = Some(false);
         let mut waiting = vec![first];
         while let Some(f) = waiting.pop() {
             for &(g, same, (a, b)) in &neighbours[f] {
-                let wanted = turn[f].map(|turned| turned != same);
-                if turn[g].is_none() {
-                    turn[g] = wanted;
+                let wanted = is_reversed[f].map(|reversed| reversed != same);
+                if is_reversed[g].is_none() {
+                    is_reversed[g] = wanted;
                     waiting.push(g);
-                } else if turn[g] != wanted && conflict.is_none() {
+                } else if is_reversed[g] != wanted && conflict.is_none() {
                     let detail = format!(
                         "the faces cannot be oriented: around edge ({a}, {b}) they form a one-sided strip; cut the \
                          mesh along it, or set \"non_manifold\": \"split\""
@@ -298,5 +298,5 @@ pub(super) fn turns(faces: &FaceList, sides: &[FaceSide]) -> (Vec<u32>, Option<F
             }
         }
     }
-    ((0..index(faces.len())).filter(|&f| turn[f as usize] == Some(true)).collect(), conflict)
+    ((0..index(faces.len())).filter(|&f| is_reversed[f as usize] == Some(true)).collect(), conflict)
 }

@@ -12,7 +12,7 @@ pub struct CheckedTopology {
     /// For each vertex appended by splitting fans apart: the vertex it was split from.
     pub split_from: Vec<u32>,
     /// The faces that were reversed.
-    pub turned: Vec<u32>,
+    pub reversed: Vec<u32>,
 }
 
 impl Topology {
@@ -28,14 +28,14 @@ impl Topology {
         check_faces(n_vertices, &faces, NonManifold::Refuse)?;
         let mut sides = sides(n_vertices, &faces);
         check_edges(&faces, &sides)?;
-        let turned = orient(&mut faces, &sides, winding)?;
-        if !turned.is_empty() {
+        let reversed = orient(&mut faces, &sides, winding)?;
+        if !reversed.is_empty() {
             sides = self::sides(n_vertices, &faces);
         }
         let opposite = opposites(faces.n_half_edges(), &sides);
         let mut topology = connect(n_vertices, faces, &opposite);
-        let split_from = topology.part_fans();
-        Ok(CheckedTopology { topology, split_from, turned })
+        let split_from = topology.split_fans();
+        Ok(CheckedTopology { topology, split_from, reversed })
     }
 
     /// Returns the topology of some faces, in the given order, and the vertex of this topology for each of its
@@ -57,7 +57,7 @@ impl Topology {
 
     /// Finds the first half-edge of each vertex, and splits vertices with several fans; returns the origins of added
     /// vertices.
-    pub(super) fn part_fans(&mut self) -> Vec<u32> {
+    pub(super) fn split_fans(&mut self) -> Vec<u32> {
         let mut seen = vec![false; self.n_half_edges()];
         let mut split_from = Vec::new();
         for half_edge in 0..index(self.n_half_edges()) {
@@ -112,7 +112,7 @@ fn opposites(n_half_edges: usize, sides: &[FaceSide]) -> Vec<u32> {
     opposite
 }
 
-/// Builds the topology of checked faces from their opposite half-edges, without the work of [`Topology::part_fans`].
+/// Builds the topology of checked faces from their opposite half-edges, without the work of [`Topology::split_fans`].
 pub(super) fn connect(n_vertices: usize, faces: FaceList, opposite: &[u32]) -> Topology {
     let n_half_edges = faces.vertices.len();
     let mut edge_of = vec![NONE; n_half_edges];

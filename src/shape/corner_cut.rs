@@ -1,4 +1,4 @@
-//! The connectivity of Doo-Sabin subdivision: one vertex per face corner, and one face per face, edge and vertex, in
+//! The connectivity after corners are cut off: one vertex per face corner, and one face per face, edge and vertex, in
 //! closed form and in parallel, except for the first step of an open mesh.
 //!
 //! Order. Vertices: face by face, corner by corner; the first step of an open mesh appends for each boundary edge, in
@@ -15,7 +15,7 @@ use super::topology::{FaceLayout, NONE, SERIAL_LOOP, Topology, index};
 use crate::fault::Fault;
 
 impl Topology {
-    /// The topology after a first step of Doo and Sabin. Each boundary edge and each boundary vertex gets a face, too:
+    /// The topology after a first cut of all corners. Each boundary edge and each boundary vertex gets a face, too:
     /// the edge a quad with two new vertices on the boundary, a vertex with k faces one of k + 2 vertices; at a corner
     /// that stays, which has one face, one of 4.
     ///
@@ -61,8 +61,8 @@ impl Topology {
         Some(corner.unwrap_or_else(|| vec![first + 2 * rim.rank(from) + 1, first + 2 * rim.rank(onward)]))
     }
 
-    /// Returns the topology after a step of Doo-Sabin subdivision, in which each inner edge and each inner vertex gets
-    /// a face. Vertices without faces are left out; inner vertices have at least 3 faces, boundary vertices at most 2.
+    /// Returns the topology after a cut of all corners in which each inner edge and each inner vertex gets a
+    /// face. Vertices without faces are left out; inner vertices have at least 3 faces, boundary vertices at most 2.
     #[must_use]
     pub fn cut_corners(&self) -> Self {
         CornerCut::of(self).topology()

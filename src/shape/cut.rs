@@ -10,7 +10,7 @@
 //! a result, no two edges join the same two vertices, so the faces alone determine the pieces.
 
 use super::check::{
-    FaceList, FaceSide, NonManifold, Winding, check_faces, forward, groups, orient, owner, sides, turns,
+    FaceList, FaceSide, NonManifold, Winding, check_faces, faces_to_reverse, forward, groups, orient, owner, sides,
 };
 use super::connect::{CheckedTopology, connect};
 use super::repairs::{AffectedEdges, AffectedFaces, Repair};
@@ -54,9 +54,9 @@ const MAX_ADDED_VERTICES: usize = 1000;
 fn cut(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<(CheckedTopology, Vec<Repair>), Vec<Fault>> {
     check_faces(n_vertices, &faces, NonManifold::Split)?;
     let mut all = sides(n_vertices, &faces);
-    let turned = if winding == Winding::Repair { turns(&faces, &all).0 } else { Vec::new() };
-    if !turned.is_empty() {
-        turned.iter().for_each(|&f| faces.reverse(f as usize));
+    let reversed = if winding == Winding::Repair { faces_to_reverse(&faces, &all).0 } else { Vec::new() };
+    if !reversed.is_empty() {
+        reversed.iter().for_each(|&f| faces.reverse(f as usize));
         all = sides(n_vertices, &faces);
     }
     let repairs = misfits(&faces, &all);
@@ -64,7 +64,7 @@ fn cut(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<(Chec
     drop(all);
     let build = |opposite: &[u32]| {
         let mut topology = connect(n_vertices, faces.clone(), opposite);
-        let split_from = topology.part_fans();
+        let split_from = topology.split_fans();
         (topology, split_from)
     };
     let (mut topology, mut split_from) = build(&opposite);
@@ -74,17 +74,17 @@ fn cut(n_vertices: usize, mut faces: FaceList, winding: Winding) -> Result<(Chec
         let detail = format!("a cut into manifold pieces adds {added} vertices; {n_faces} faces may take {most}");
         return Err(vec![Fault::new("/faces", detail + ", as they are no surface otherwise")]);
     }
-    let parted = faces.with_vertices(topology.vertices.clone());
-    let mut all = sides(topology.n_vertices(), &parted);
-    let is_parted = part(&parted, &all, &mut opposite);
-    if is_parted {
+    let split = faces.with_vertices(topology.vertices.clone());
+    let mut all = sides(topology.n_vertices(), &split);
+    let is_cut = cut_remaining(&split, &all, &mut opposite);
+    if is_cut {
         (topology, _) = build(&opposite);
         all = sides(topology.n_vertices(), &faces.with_vertices(topology.vertices.clone()));
     }
-    if rejoin(&all, &mut opposite) || is_parted {
+    if rejoin(&all, &mut opposite) || is_cut {
         (topology, split_from) = build(&opposite);
     }
-    Ok((CheckedTopology { topology, split_from, turned }, repairs))
+    Ok((CheckedTopology { topology, split_from, reversed }, repairs))
 }
 
 /// Records why the faces do not form a manifold, by kind of defect.
@@ -147,10 +147,10 @@ fn rejoin(sides: &[FaceSide], opposite: &mut [u32]) -> bool {
 
 /// Turns the sides at which faces still meet themselves after the split into boundaries; returns whether there are
 /// any.
-fn part(faces: &FaceList, sides: &[FaceSide], opposite: &mut [u32]) -> bool {
-    let mut parted = Vec::new();
+fn cut_remaining(faces: &FaceList, sides: &[FaceSide], opposite: &mut [u32]) -> bool {
+    let mut at_cut = Vec::new();
     for group in groups(sides).filter(|group| group.len() > 2) {
-        parted.extend(group.iter().map(|side| side.1));
+        at_cut.extend(group.iter().map(|side| side.1));
     }
     let mut start = 0;
     for f in 0..faces.len() {
@@ -160,15 +160,15 @@ fn part(faces: &FaceList, sides: &[FaceSide], opposite: &mut [u32]) -> bool {
         for pair in visits.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
             let at = pair[1].1;
             let before = (at + face.len() - 1) % face.len();
-            parted.extend([index(start + at), index(start + before)]);
+            at_cut.extend([index(start + at), index(start + before)]);
         }
         start += face.len();
     }
-    for &half_edge in &parted {
+    for &half_edge in &at_cut {
         let other = std::mem::replace(&mut opposite[half_edge as usize], NONE);
         if other != NONE {
             opposite[other as usize] = NONE;
         }
     }
-    !parted.is_empty()
+    !at_cut.is_empty()
 }

@@ -34,7 +34,7 @@ struct NumberedFace {
     /// The index of the face's first half-edge in the whole net.
     start: u64,
     /// The position in the whole net's face of the half-edge that is the first one here.
-    turn: u32,
+    offset: u32,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,7 +59,7 @@ impl Numbering {
             OrientedEdge { edge: edge.into(), forward: topology.halves(edge as usize)[0] == half_edge }
         });
         let sides = sides.collect();
-        let face = |f: usize| NumberedFace { number: f as u64, start: topology.half_edges(f).start.into(), turn: 0 };
+        let face = |f: usize| NumberedFace { number: f as u64, start: topology.half_edges(f).start.into(), offset: 0 };
         Self { whole, vertices: (0..whole.vertices).collect(), faces: faces.map(face).collect(), sides }
     }
 
@@ -92,8 +92,8 @@ impl Numbering {
             let f = topology.face_of(first);
             let range = topology.half_edges(f);
             let face = self.faces[f];
-            let turn = (face.turn + first - range.start) % (range.end - range.start);
-            part.faces.push(NumberedFace { turn, ..face });
+            let offset = (face.offset + first - range.start) % (range.end - range.start);
+            part.faces.push(NumberedFace { offset, ..face });
             let mut half_edge = first;
             for _ in range {
                 part.sides.push(self.sides[half_edge as usize]);
@@ -156,9 +156,9 @@ impl Numbering {
                 let first = if is_quad { half_edge - topology.half_edges(f).start } else { 0 };
                 split.sides.extend((0..4).map(|at| sides[((at + 4 - first) % 4) as usize]));
                 let (start, j) = here;
-                let (place, turn) = if is_quad { (ROW_BY_ROW[j as usize], (j + 4 - first) % 4) } else { (j, 0) };
+                let (place, offset) = if is_quad { (ROW_BY_ROW[j as usize], (j + 4 - first) % 4) } else { (j, 0) };
                 let number = start.wrapping_add(place.into());
-                split.faces.push(NumberedFace { number, start: number.wrapping_mul(4), turn });
+                split.faces.push(NumberedFace { number, start: number.wrapping_mul(4), offset });
             }
         }
         split
@@ -167,6 +167,6 @@ impl Numbering {
     /// Returns a corner of face `f` in the whole net: the first half-edge of the face, and the offset from it.
     fn corner(&self, topology: &Topology, f: usize, half_edge: u32) -> (u64, u32) {
         let (face, range) = (self.faces[f], topology.half_edges(f));
-        (face.start, (half_edge - range.start + face.turn) % (range.end - range.start))
+        (face.start, (half_edge - range.start + face.offset) % (range.end - range.start))
     }
 }

@@ -72,12 +72,12 @@ impl MeshInput {
         let n = self.positions.len();
         let welded = self.welded(0.0)?;
         let is_joined = welded.positions.len() < n && crowded(n, &before) == 0;
-        Ok(if is_joined { welded.parted_where_crowded() } else { welded })
+        Ok(if is_joined { welded.split_where_crowded() } else { welded })
     }
 
     /// Requests a cut at edges with more than two faces, which welding has made.
     #[must_use]
-    pub fn parted_where_crowded(mut self) -> Self {
+    pub fn split_where_crowded(mut self) -> Self {
         let n = crowded(self.positions.len(), &self.faces);
         if n > 0 {
             self.non_manifold = NonManifold::SplitCrowded;
@@ -111,7 +111,7 @@ impl MeshInput {
             return self;
         }
         self.repairs.extend(AffectedFaces::some(&changed).map(Repair::Turned));
-        seams(&mut self.attachments).for_each(|seams| seams.turn(&faces, &changed));
+        seams(&mut self.attachments).for_each(|seams| seams.reverse(&faces, &changed));
         self.faces = faces;
         let mut is_hole = vec![false; self.faces.len()];
         for &hole in &self.holes {

@@ -81,9 +81,9 @@ impl SeamsInput {
     }
 
     /// Reverses the values of faces that were reversed. Values that do not fit are left for [`Seams::new`] to refuse.
-    pub(super) fn turn(&mut self, faces: &FaceList, turned: &[u32]) {
+    pub(super) fn reverse(&mut self, faces: &FaceList, reversed: &[u32]) {
         if self.fits(faces) {
-            turned.iter().for_each(|&f| self.faces.reverse(f as usize));
+            reversed.iter().for_each(|&f| self.faces.reverse(f as usize));
         }
     }
 
@@ -130,7 +130,7 @@ pub struct Uvs {
 
 impl Seams {
     /// Checks the face-corner values of a mesh, `n x width`, and returns the values of places, `n_places x width`.
-    /// `turned` are the faces whose vertices were reversed since they were given.
+    /// `reversed` are the faces whose vertices were reversed since they were given.
     ///
     /// # Errors
     /// Numbers of faces and corners that differ from those of the mesh, values that do not exist or are not finite,
@@ -139,9 +139,9 @@ impl Seams {
         input: &SeamsInput,
         (width, given): (usize, &[f64]),
         mesh: &Topology,
-        turned: &[u32],
+        reversed: &[u32],
     ) -> Result<(Self, Vec<f64>), Vec<Fault>> {
-        let corner_values = corner_values(&input.faces, (width, given), mesh, turned)?;
+        let corner_values = corner_values(&input.faces, (width, given), mesh, reversed)?;
         let value = |half_edge: u32| corner_values[half_edge as usize];
         let joined = |half_edge: u32| {
             let twin = mesh.twin(half_edge);
@@ -235,7 +235,7 @@ fn corner_values(
     faces: &FaceList,
     (width, values): (usize, &[f64]),
     mesh: &Topology,
-    turned: &[u32],
+    reversed: &[u32],
 ) -> Result<Vec<u32>, Vec<Fault>> {
     let wrong = values.iter().enumerate().filter(|(_, x)| !x.is_finite());
     let place =
@@ -264,7 +264,7 @@ fn corner_values(
         }
         let start = found.len();
         found.extend_from_slice(face);
-        if turned.binary_search(&index(f)).is_ok() {
+        if reversed.binary_search(&index(f)).is_ok() {
             found[start..].reverse();
         }
     }

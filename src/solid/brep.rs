@@ -50,7 +50,7 @@ pub struct Shell {
     /// Whether every edge has a face on both sides.
     pub is_closed: bool,
     /// Whether the control mesh was inside out, so that the faces were reversed.
-    pub was_turned: bool,
+    pub was_inside_out: bool,
     /// Surface area, in square model units.
     pub area: f64,
     /// The enclosed volume in cubic model units; 0 if the shell is open.
@@ -162,7 +162,7 @@ impl Brep {
     }
 
     /// Reverses faces so that they are seen from their other side.
-    pub(super) fn turn(&mut self, faces: &[u32]) {
+    pub(super) fn reverse(&mut self, faces: &[u32]) {
         for &f in faces {
             let face = &mut self.faces[f as usize];
             let lengths = [0, 1, 2, 3].map(|s| face.surface.length(s));

@@ -45,12 +45,12 @@ impl Certificate {
             shell.area = of_faces().fold(0.0, |sum, measure| sum + measure.area);
             let volume = of_faces().fold(0.0, |sum, measure| sum + measure.volume);
             if shell.is_closed {
-                shell.was_turned = volume < 0.0;
+                shell.was_inside_out = volume < 0.0;
                 shell.volume = volume.abs();
             }
         }
-        for shell in shells.iter().filter(|shell| shell.was_turned) {
-            brep.turn(&shell.faces);
+        for shell in shells.iter().filter(|shell| shell.was_inside_out) {
+            brep.reverse(&shell.faces);
         }
         let worst = |known: DeviationMethod, vertex: &Isolated| known.max(vertex.known);
         Self {

@@ -10,8 +10,8 @@ use crate::shape::mesh::Mesh;
 pub struct CageCounts {
     /// Number of faces.
     pub faces: u128,
-    /// Number of face corners at possibly irregular vertices, and of corners of faces that are not quads.
-    pub irregular: u128,
+    /// Number of face corners at possibly extraordinary vertices, and of corners of faces that are not quads.
+    pub extraordinary: u128,
     /// Number of faces that remain along semi-sharp edges and corners until these are smooth.
     pub semi_sharp: u128,
 }
@@ -50,7 +50,7 @@ impl CageCounts {
         let semi_sharp = all.filter(|&sharpness| sharpness < INFINITE_SHARPNESS);
         Self {
             faces: topology.n_faces() as u128,
-            irregular: at_vertices.sum::<u128>() + of_faces.sum::<u128>(),
+            extraordinary: at_vertices.sum::<u128>() + of_faces.sum::<u128>(),
             // both sides of an edge; twice as many on each level, and all levels together twice the last
             semi_sharp: semi_sharp
                 .map(|sharpness| 16_u128 << (1..10).filter(|&s| sharpness > f64::from(s)).count())
@@ -58,15 +58,15 @@ impl CageCounts {
         }
     }
 
-    /// Returns upper bounds of the size of the solid. A face at an irregular vertex leaves up to sixteen faces on the
-    /// first two levels, and three on each later level; these become one face each.
+    /// Returns upper bounds of the size of the solid. A face at an extraordinary vertex leaves up to sixteen faces on
+    /// the first two levels, and three on each later level; these become one face each.
     pub fn forecast(&self, request: &SolidRequest) -> SolidForecast {
         let levels = u128::from(request.max_level);
         let most = request.max_faces as u128;
-        let rings = self.irregular.saturating_mul(3 * levels).min(most.saturating_mul(6));
-        let first = self.irregular.saturating_mul(16).saturating_add(self.semi_sharp);
+        let rings = self.extraordinary.saturating_mul(3 * levels).min(most.saturating_mul(6));
+        let first = self.extraordinary.saturating_mul(16).saturating_add(self.semi_sharp);
         let leaves = self.faces.saturating_add(first).saturating_add(rings);
-        SolidForecast { leaves, faces: leaves.saturating_add(4 * self.irregular).min(most) }
+        SolidForecast { leaves, faces: leaves.saturating_add(4 * self.extraordinary).min(most) }
     }
 }
 

@@ -36,14 +36,14 @@ pub(super) struct Leaf {
     pub(super) net: BicubicNet,
 }
 
-/// A face at an irregular vertex.
+/// A face at an extraordinary vertex.
 #[derive(Debug, Clone)]
-pub(super) struct IrregularCap {
+pub(super) struct ExtraordinaryCap {
     pub(super) cell: FaceCell,
     pub(super) surface: BSplineSurface,
 }
 
-/// An irregular vertex, as seen from one of its sectors.
+/// An extraordinary vertex, as seen from one of its sectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Isolated {
     /// Its limit, in model units.
@@ -66,7 +66,7 @@ pub struct Isolated {
 #[derive(Debug, Default)]
 pub(super) struct SurfacePieces {
     pub(super) leaves: Vec<Leaf>,
-    pub(super) caps: Vec<IrregularCap>,
+    pub(super) caps: Vec<ExtraordinaryCap>,
     pub(super) vertices: Vec<Isolated>,
     pub(super) edges: Edges,
     /// The last level from which faces were taken.
@@ -175,7 +175,7 @@ impl Isolation<'_> {
         let mut seen = BTreeSet::new();
         let sectors: Vec<Sector> = left
             .iter()
-            .filter_map(|&f| Some(level.sector(level.lone_irregular(f)?)))
+            .filter_map(|&f| Some(level.sector(level.lone_extraordinary(f)?)))
             .filter(|sector| seen.insert(sector.spokes.iter().copied().min()) && is_ready(level, sector))
             .collect();
         let rounding = self.rounding.after(depth);
@@ -212,7 +212,7 @@ impl Isolation<'_> {
             let face = index(level.topology.face_of(spoke));
             if level.wanted[face as usize] {
                 let cell = self.cell(level, spoke);
-                self.pieces.caps.push(IrregularCap { cell, surface });
+                self.pieces.caps.push(ExtraordinaryCap { cell, surface });
                 capped.insert(face);
             }
         }
@@ -260,6 +260,6 @@ impl Isolation<'_> {
 
 /// Returns whether caps are possible in all faces of a sector.
 fn is_ready(level: &Level, sector: &Sector) -> bool {
-    let lone = |&spoke: &u32| level.lone_irregular(index(level.topology.face_of(spoke))) == Some(spoke);
+    let lone = |&spoke: &u32| level.lone_extraordinary(index(level.topology.face_of(spoke))) == Some(spoke);
     sector.kind != SectorKind::Undecided && sector.spokes.iter().all(lone)
 }

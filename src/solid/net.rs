@@ -37,7 +37,7 @@ fn row([a, b, c, d]: [Vector; 4]) -> [Vector; 4] {
 impl Level {
     /// Returns the control net of the face of a half-edge, whose start is the corner (0, 0) and whose side lies along
     /// u. Across infinitely sharp sides lie phantom points, `2 side - inside`. At the first corner, the point outside
-    /// both sides is arbitrary if the corner is irregular.
+    /// both sides is arbitrary if the corner is extraordinary.
     pub(super) fn net(&self, half_edge: u32) -> BicubicNet {
         let mut net = Partial::default();
         let sides: [u32; 4] = std::array::from_fn(|s| self.after(half_edge, s));

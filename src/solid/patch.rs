@@ -1,7 +1,7 @@
 //! Faces of a solid before their edges are merged.
 
 use super::edges::{Edges, SidePiece};
-use super::isolate::{IrregularCap, Leaf};
+use super::isolate::{ExtraordinaryCap, Leaf};
 use super::pack::Rectangle;
 use super::spline::{BSplineCurve, BSplineSurface};
 use crate::math::functions::real;
@@ -57,7 +57,7 @@ impl FacePatch {
     }
 
     /// Returns the face of a cap.
-    pub(super) fn of_cap(cap: IrregularCap, edges: &Edges) -> Self {
+    pub(super) fn of_cap(cap: ExtraordinaryCap, edges: &Edges) -> Self {
         let side = |s: usize| {
             let mut steps = Vec::new();
             edges.steps(cap.cell.sides[s], cap.cell.corners[s], [0.0, 1.0], &mut steps);

@@ -144,10 +144,10 @@ impl Level {
         sector.spokes.iter().all(|spoke| size(spoke) == 4)
     }
 
-    /// Returns the half-edge of a face at its only irregular vertex, if a cap is possible there: all else around the
-    /// face must be regular, nothing semi-sharp, and all faces quads. Around a smooth vertex nothing may be sharp
+    /// Returns the half-edge of a face at its only extraordinary vertex, if a cap is possible there: all else around
+    /// the face must be regular, nothing semi-sharp, and all faces quads. Around a smooth vertex nothing may be sharp
     /// either: in the middle of a face with sharp sides, caps have to wait for another level.
-    pub(super) fn lone_irregular(&self, f: u32) -> Option<u32> {
+    pub(super) fn lone_extraordinary(&self, f: u32) -> Option<u32> {
         let half_edges = self.topology.half_edges(f as usize);
         if half_edges.len() != 4 {
             return None;

@@ -28,8 +28,8 @@ use super::{object, whole};
 use crate::fault::{Fault, under};
 use crate::input::ReadLimits;
 use crate::job::{
-    AnalysedVertices, Analysis, Findings, Form, Input, Inquiry, SchemeFindings, SurfaceAnalysis, TubeAnalysis, Wishes,
-    is_for_meshes,
+    AnalysedVertices, Analysis, Findings, Form, Input, Inquiry, RequestedFindings, SchemeFindings, SurfaceAnalysis,
+    TubeAnalysis, is_for_meshes,
 };
 use crate::watch::{Stopped, Watch};
 
@@ -124,7 +124,7 @@ impl AnalysisRequest {
         }
         let is_of_curves = input.is_none() && valences.is_none() && boundaries.is_none() && !is_for_meshes(&plan);
         if is_of_polygons || is_of_curves {
-            let wishes = Wishes {
+            let requested = RequestedFindings {
                 nodes,
                 grid,
                 input,
@@ -132,7 +132,7 @@ impl AnalysisRequest {
                 scan: scan.map(ScanRequest::resolve),
                 is_plotted: form.is_figure(),
             };
-            return Analysis::new(&plan, &wishes, watch).map(|curve| Inquiry::Curve(Box::new(curve)));
+            return Analysis::new(&plan, &requested, watch).map(|curve| Inquiry::Curve(Box::new(curve)));
         }
         let of_curves = [
             ("grid", grid.is_some(), "values of basic limit functions are those of curves"),

@@ -189,15 +189,15 @@ impl InputRequest {
         if let Some(file) = text.map(TextRequest::file).transpose().map_err(|fault| in_text(vec![fault]))?.or(file) {
             let MeshFileContent { mesh, boundary, lines, vertices, stated_frame: (unit, up) } =
                 file.read(self.winding(), limits).map_err(in_text)?;
-            let is_parted = vertices == Vertices::Joined && self.weld == Some(WeldRequest::Never);
-            let mesh = self.covered(if is_parted { mesh.with_split_corners() } else { mesh })?;
+            let is_split = vertices == Vertices::Joined && self.weld == Some(WeldRequest::Never);
+            let mesh = self.covered(if is_split { mesh.with_split_corners() } else { mesh })?;
             let is_usual = self.weld.is_none() && purpose == Purpose::Refine;
             let may_cut = self.non_manifold != Some(NonManifoldRequest::Refuse);
             // clients did not request the edges of more than two faces that default welding makes
             let mesh = match vertices {
                 Vertices::Doubled if is_usual && may_cut => mesh.joined().map_err(|fault| vec![fault])?,
                 Vertices::Doubled if is_usual => mesh.welded(0.0).map_err(|fault| vec![fault])?,
-                Vertices::Joined if is_usual && may_cut => mesh.parted_where_crowded(),
+                Vertices::Joined if is_usual && may_cut => mesh.split_where_crowded(),
                 _ => mesh,
             };
             // repairs remove or join faces, so that line numbers no longer match them

@@ -39,7 +39,7 @@ pub fn job(query: &str) -> Result<Map<String, Value>, Vec<Fault>> {
     let pairs: Vec<_> = form_urlencoded::parse(query.as_bytes()).collect();
     let pairs: Vec<_> = pairs.iter().filter(|(name, _)| !BESIDE_THE_JOB.contains(&&**name)).collect();
     let given = |wanted: &str| pairs.iter().find(|(name, _)| name == wanted).map(|(_, text)| &**text);
-    let declared = Declared {
+    let declared = DeclaredParameters {
         parameters: match given("preset") {
             Some(preset) => PRESETS.iter().find(|known| known.name == preset).map_or(&[], |known| known.parameters),
             None => WORD_PARAMETERS,
@@ -200,12 +200,12 @@ fn put(job: &mut Map<String, Value>, place: &[String], value: Value) -> Result<(
 }
 
 /// The declared parameters of the plan, and the options of the format if the query names one.
-struct Declared {
+struct DeclaredParameters {
     parameters: &'static [Parameter],
     options: Option<&'static [Parameter]>,
 }
 
-impl Declared {
+impl DeclaredParameters {
     /// Converts the text of a query parameter to the declared type; a text that does not fit remains unchanged, and is
     /// refused later with a reason.
     fn typed(&self, name: &str, text: &str) -> Value {

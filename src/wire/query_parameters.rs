@@ -19,7 +19,7 @@ use crate::scheme::preset::Refines;
 use crate::scheme::presets::PRESETS;
 
 /// A declaration, with the name of the preset or format that makes it.
-type Declared = (&'static str, &'static Parameter);
+type NamedParameter = (&'static str, &'static Parameter);
 
 /// Returns all query parameters but `keep`, in the order of the documentation.
 pub fn described() -> Vec<Described> {
@@ -82,8 +82,8 @@ fn of_field(family: &str, field: &Field, found: &mut Vec<Described>) {
 }
 
 /// Groups declarations by name, in the order of their first occurrence.
-fn by_name(all: impl Iterator<Item = Declared>) -> Vec<(&'static str, Vec<Declared>)> {
-    let mut found: Vec<(&'static str, Vec<Declared>)> = Vec::new();
+fn by_name(all: impl Iterator<Item = NamedParameter>) -> Vec<(&'static str, Vec<NamedParameter>)> {
+    let mut found: Vec<(&'static str, Vec<NamedParameter>)> = Vec::new();
     for (who, parameter) in all {
         match found.iter_mut().find(|(name, _)| *name == parameter.name) {
             Some((_, declared)) => declared.push((who, parameter)),
@@ -94,7 +94,7 @@ fn by_name(all: impl Iterator<Item = Declared>) -> Vec<(&'static str, Vec<Declar
 }
 
 /// Adds the parameters of one declared name: groups give one for each field, lists are texts.
-fn put(name: &str, declared: &[Declared], found: &mut Vec<Described>) {
+fn put(name: &str, declared: &[NamedParameter], found: &mut Vec<Described>) {
     let fields = declared.iter().filter_map(|(who, parameter)| match parameter.kind {
         ParameterKind::Group(fields) => Some(fields.iter().map(move |field| (*who, field))),
         _ => None,
@@ -126,7 +126,7 @@ fn put(name: &str, declared: &[Declared], found: &mut Vec<Described>) {
 }
 
 /// Joins the descriptions of a parameter, each with the presets or formats that give it.
-fn joined_docs(declared: &[Declared]) -> String {
+fn joined_docs(declared: &[NamedParameter]) -> String {
     let mut said: Vec<(&str, Vec<&str>)> = Vec::new();
     for (who, parameter) in declared {
         match said.iter_mut().find(|(doc, _)| *doc == parameter.doc) {

@@ -19,7 +19,7 @@ use crate::scheme::presets::PRESETS;
 use crate::scheme::word;
 
 /// A schema with its name.
-type Named = (String, RefOr<Schema>);
+type NamedSchema = (String, RefOr<Schema>);
 
 /// The schema of an input: the alternatives are the kinds of inputs.
 #[derive(Debug)]
@@ -48,7 +48,7 @@ impl ToSchema for InputSchema {
         Cow::Borrowed("InputRequest")
     }
 
-    fn schemas(schemas: &mut Vec<Named>) {
+    fn schemas(schemas: &mut Vec<NamedSchema>) {
         InputRequest::schemas(schemas);
         let RefOr::T(Schema::Object(all)) = InputRequest::schema() else { return };
         for (kind, name, is_mesh) in INPUT_KINDS {
@@ -104,7 +104,7 @@ impl ToSchema for PlanSchema {
         Cow::Borrowed("PlanRequest")
     }
 
-    fn schemas(schemas: &mut Vec<Named>) {
+    fn schemas(schemas: &mut Vec<NamedSchema>) {
         PlanRequest::schemas(schemas);
         let presets = PRESETS.iter().map(|preset| {
             let parameters = object(preset.parameters).description(Some("Parameters of the preset."));
@@ -152,7 +152,7 @@ impl PartialSchema for OutputRequest {
 }
 
 impl ToSchema for OutputRequest {
-    fn schemas(schemas: &mut Vec<Named>) {
+    fn schemas(schemas: &mut Vec<NamedSchema>) {
         schemas.extend(FORMATS.iter().map(|format| {
             let facts = format.facts();
             let doc = "Name among the outputs of the job; the format's when left out.";
@@ -171,7 +171,7 @@ fn chosen(name: &'static str) -> ObjectBuilder {
 }
 
 /// Returns the schemas of plans that a field chooses by name, preceded by their union.
-fn chosen_by(name: &str, field: &str, doc: &str, variants: Vec<(&'static str, ObjectBuilder)>) -> Vec<Named> {
+fn chosen_by(name: &str, field: &str, doc: &str, variants: Vec<(&'static str, ObjectBuilder)>) -> Vec<NamedSchema> {
     let any = one_by(field, "Plan", doc, variants.iter().map(|(name, _)| *name));
     let of_variant = |(name, schema): (&str, ObjectBuilder)| (variant(name, "Plan"), Object::from(schema).into());
     let variants = variants.into_iter().map(of_variant);

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use planish::job::{AnalysedVertices, Analysis, Inquiry, ScanWish, SurfaceAnalysis, Wishes};
+use planish::job::{AnalysedVertices, Analysis, Inquiry, RequestedFindings, RequestedScan, SurfaceAnalysis};
 use planish::math::parameter::Literal;
 use planish::scheme::plan::PlanInput;
 use planish::watch::Watch;
@@ -47,7 +47,7 @@ const SCHEMES: &[Scheme] = &[
 pub(crate) fn measure(table: &mut Table) {
     let mut first = None;
     for (name, parameters) in SCHEMES {
-        let time = ms(best(|| answered(name, parameters, &Wishes::default())));
+        let time = ms(best(|| answered(name, parameters, &RequestedFindings::default())));
         let ratio = format!("{:.1} times cubic-b-spline", time / *first.get_or_insert(time));
         let values: Vec<_> = parameters.iter().flat_map(|(name, value)| [*name, *value]).collect();
         let products = nodes(name, parameters);
@@ -61,8 +61,10 @@ pub(crate) fn measure(table: &mut Table) {
         table.add(label.trim_end(), (time, "ms"), &ratio, aim, &detail);
     }
     let [from, to] = ["0", "1/60"].map(|text| Literal::Text(text.into()));
-    let scan = ScanWish { parameter: "eta".into(), from, to, steps: 200 };
-    let time = ms(best(|| answered("ternary-c4", &[], &Wishes { scan: Some(scan.clone()), ..Wishes::default() })));
+    let scan = RequestedScan { parameter: "eta".into(), from, to, steps: 200 };
+    let time = ms(best(|| {
+        answered("ternary-c4", &[], &RequestedFindings { scan: Some(scan.clone()), ..RequestedFindings::default() })
+    }));
     let ratio = format!("{:.1} times cubic-b-spline", time / first.unwrap_or(time));
     table.add("analysis ternary-c4, 200 steps of eta", (time, "ms"), &ratio, Aim::None, "201 values and bisection");
     for (name, parameters) in SURFACES {
@@ -87,19 +89,19 @@ fn on_surfaces(name: &str, parameters: &[(&str, &str)]) {
     black_box(AnalysisAnswer::of(&Inquiry::Surface(Box::new(surface)), &watch).expect("nobody stops it"));
 }
 
-fn analysis(name: &str, parameters: &[(&str, &str)], wishes: &Wishes) -> Analysis {
-    Analysis::new(&plan(name, parameters), wishes, &Watch::new()).expect("a scheme for curves")
+fn analysis(name: &str, parameters: &[(&str, &str)], requested: &RequestedFindings) -> Analysis {
+    Analysis::new(&plan(name, parameters), requested, &Watch::new()).expect("a scheme for curves")
 }
 
-fn answered(name: &str, parameters: &[(&str, &str)], wishes: &Wishes) {
+fn answered(name: &str, parameters: &[(&str, &str)], requested: &RequestedFindings) {
     let watch = Watch::new();
-    let inquiry = Inquiry::Curve(Box::new(analysis(name, parameters, wishes)));
+    let inquiry = Inquiry::Curve(Box::new(analysis(name, parameters, requested)));
     black_box(AnalysisAnswer::of(&inquiry, &watch).expect("nobody stops it"));
 }
 
 /// The products of matrices that were looked at.
 fn nodes(name: &str, parameters: &[(&str, &str)]) -> u64 {
     let watch = Watch::new();
-    analysis(name, parameters, &Wishes::default()).run(&watch).expect("nobody stops it");
+    analysis(name, parameters, &RequestedFindings::default()).run(&watch).expect("nobody stops it");
     watch.done()
 }

@@ -5,7 +5,7 @@ mod hatching;
 mod hidden_lines;
 
 use planish::drawing::{
-    Axes, Axis, Cap, Discs, Drawing, FontWeight, Group, HorizontalAlign, Item, Label, Legend, LegendEntry,
+    Axes, Axis, Cap, Discs, Drawing, DrawingItem, FontWeight, Group, HorizontalAlign, Label, Legend, LegendEntry,
     LegendSample, Lettering, Mark, Picture, Stroke, Text, VerticalAlign, color_bar, pdf, pixels, svg,
 };
 use planish::math::functions::sin;
@@ -36,10 +36,10 @@ fn everything() -> Drawing {
     };
     let mut items = vec![axes.grid()];
     let between = run(0.0).into_iter().chain(run(1.0).into_iter().rev()).collect();
-    items.push(Item::new("area", Mark::Areas(vec![between], [16, 185, 129, 120])));
-    items.push(Item::lines("curve", vec![run(0.0)], solid).titled("a sine"));
-    items.push(Item::lines("curve", vec![run(1.0)], dashed));
-    items.push(Item::new("points", Mark::Discs(discs(run(0.0).into_iter().step_by(15).collect()))));
+    items.push(DrawingItem::new("area", Mark::Areas(vec![between], [16, 185, 129, 120])));
+    items.push(DrawingItem::lines("curve", vec![run(0.0)], solid).titled("a sine"));
+    items.push(DrawingItem::lines("curve", vec![run(1.0)], dashed));
+    items.push(DrawingItem::new("points", Mark::Discs(discs(run(0.0).into_iter().step_by(15).collect()))));
     items.extend(axes.items());
     items.extend(legend.items([90.0, 40.0]));
     let gray = |share: f64| {
@@ -64,7 +64,7 @@ fn everything() -> Drawing {
         let label = Label::plain("Ägypten (γ)", FontWeight::Bold).expect("it can be set");
         let at = [540.0, 60.0 + 50.0 * f32::from(i)];
         let text = Text { label, at, size_px: 16.0, anchor, level, turn_deg: 30.0, color: [0, 0, 0, 255] };
-        items.push(Item::new("label", Mark::Text(text)));
+        items.push(DrawingItem::new("label", Mark::Text(text)));
     }
     let pixels = (0..16).flat_map(|i| [16 * i, 255 - 16 * i, 0, if i < 8 { 255 } else { 128 }]).collect();
     let picture = Picture { size: [4, 4], pixels, at: [0.0, 0.0], extent: [40.0, 40.0] };
@@ -73,11 +73,11 @@ fn everything() -> Drawing {
         scale: 1.5,
         clip: Some([5.0, 5.0, 30.0, 30.0]),
         items: vec![
-            Item::new("picture", Mark::Picture(picture)),
-            Item::lines("line", vec![vec![[0.0, 0.0], [40.0, 40.0]]], Stroke::solid(2.0, [0, 0, 0, 255])),
+            DrawingItem::new("picture", Mark::Picture(picture)),
+            DrawingItem::lines("line", vec![vec![[0.0, 0.0], [40.0, 40.0]]], Stroke::solid(2.0, [0, 0, 0, 255])),
         ],
     };
-    items.push(Item::new("cut", Mark::Group(cut)));
+    items.push(DrawingItem::new("cut", Mark::Group(cut)));
     let title = "</title><script>alert(1)</script>".into();
     Drawing { size: [640, 290], background: [255; 4], title, items }
 }
@@ -118,7 +118,7 @@ fn letters_are_text_or_outlines() {
 fn texts_stay_in_their_elements() {
     let attack = "</text></title><script>alert('1')</script>\" onload=\"x";
     let label = Label::plain(attack, FontWeight::Regular).expect("it can be set");
-    let mut item = Item::text("label", label, [5.0, 20.0], 12.0, [0, 0, 0, 255]);
+    let mut item = DrawingItem::text("label", label, [5.0, 20.0], 12.0, [0, 0, 0, 255]);
     item.title = attack.into();
     let drawing = Drawing { size: [300, 40], background: [0; 4], title: attack.into(), items: vec![item] };
     let [svg, _] = written(&drawing, Lettering::Text);
@@ -144,7 +144,7 @@ fn groups_move_scale_and_cut_what_they_hold() {
         size: [10, 10],
         background: [255, 0, 0, 255],
         title: String::new(),
-        items: vec![Item::rectangle("", [-50.0, 4.0, 100.0, 2.0], black)],
+        items: vec![DrawingItem::rectangle("", [-50.0, 4.0, 100.0, 2.0], black)],
     };
     let items = vec![inner.into_group([20.0, 10.0, 60.0, 40.0])];
     let outer = Drawing { size: [100, 60], background: [255; 4], title: String::new(), items };
@@ -160,7 +160,7 @@ fn groups_move_scale_and_cut_what_they_hold() {
 fn pixels_of_a_picture_that_fall_on_pixels_stay_as_they_are() {
     let pixels: Vec<u8> = (0..64).map(|i| if i % 4 == 3 { 255 } else { 4 * i }).collect();
     let picture = Picture { size: [4, 4], pixels: pixels.clone(), at: [3.0, 2.0], extent: [4.0, 4.0] };
-    let items = vec![Item::new("", Mark::Picture(picture))];
+    let items = vec![DrawingItem::new("", Mark::Picture(picture))];
     let drawing = Drawing { size: [10, 10], background: [255; 4], title: String::new(), items };
     for i in 0..16 {
         assert_eq!(pixel(&drawing, [3 + i % 4, 2 + i / 4]), [0, 1, 2, 3].map(|k| pixels[4 * i + k]));

@@ -5,6 +5,7 @@
 
 mod imports;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -224,8 +225,9 @@ const SCHEMES: &[&str] = &[
     "repeatedaveraging",
 ];
 /// The files outside `scheme/` that may name a scheme: example jobs, the descriptions of these in the OpenAPI document,
-/// and formats with their own words for schemes.
+/// formats with their own words for schemes, and tests of suggestions.
 const NAMED: &[(&str, &[&str])] = &[
+    ("fault.rs", &["butterfly", "catmull"]),
     ("http/canary.rs", &["catmull"]),
     ("http/document_examples.rs", &["catmull", "fourpoint"]),
     ("output/usda.rs", &["catmull"]),
@@ -235,7 +237,7 @@ const NAMED: &[(&str, &[&str])] = &[
 
 #[test]
 fn schemes_are_named_in_their_own_folder_only() {
-    for source in sources().iter().filter(|source| source.floor() > floor("scheme") || source.module == "raster") {
+    for source in sources().iter().filter(|source| source.module != "scheme") {
         let path = source.path.to_string_lossy().replace('\\', "/");
         let allowed = NAMED.iter().find(|(file, _)| *file == path).map_or(&[][..], |(_, names)| names);
         for (i, line) in source.lines.iter().enumerate() {
@@ -322,4 +324,55 @@ fn schemas_have_names_of_their_own() {
     names.sort_unstable();
     names.dedup();
     assert!(n > 30 && names.len() == n, "{n} schemas have {} names: {names:?}", names.len());
+}
+
+/// Returns the keyword and the name of the type or trait that a line defines, if it defines one.
+fn defined_type(line: &str) -> Option<(&str, &str)> {
+    let line = line.trim_start();
+    let item = match line.strip_prefix("pub") {
+        Some(rest) if rest.starts_with('(') => rest.split_once(") ")?.1,
+        Some(rest) => rest.strip_prefix(' ')?,
+        None => line,
+    };
+    let (keyword, rest) = item.split_once(' ')?;
+    let name = rest.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').next()?;
+    let is_type = ["struct", "enum", "union", "trait", "type"].contains(&keyword);
+    (is_type && name.starts_with(|c: char| c.is_ascii_uppercase())).then_some((keyword, name))
+}
+
+/// Returns the name and the line of each type and trait that a source defines, but for associated types, whose names
+/// are those of their traits.
+fn defined_types(source: &Source) -> Vec<(&str, usize)> {
+    let mut found = Vec::new();
+    // the indentation of the open `impl` and `trait` blocks
+    let mut blocks: Vec<usize> = Vec::new();
+    for (i, line) in source.lines.iter().enumerate() {
+        let code = line.trim();
+        let indentation = line.len() - line.trim_start().len();
+        if code.starts_with('}') {
+            blocks.retain(|block| *block < indentation);
+        }
+        let defined = defined_type(line);
+        let is_inside = blocks.last().is_some_and(|block| indentation == block + 4);
+        found.extend(defined.filter(|(keyword, _)| *keyword != "type" || !is_inside).map(|(_, name)| (name, i + 1)));
+        let is_impl = code.starts_with("impl ") || code.starts_with("impl<");
+        if (is_impl || defined.is_some_and(|(keyword, _)| keyword == "trait")) && !code.ends_with('}') {
+            blocks.push(indentation);
+        }
+    }
+    found
+}
+
+#[test]
+fn type_names_have_one_meaning() {
+    let all = sources();
+    let mut places: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for source in &all {
+        for (name, line) in defined_types(source) {
+            places.entry(name).or_default().push(format!("{}:{line}", source.path.display()));
+        }
+    }
+    assert!(places.len() > 1000, "only {} types were found", places.len());
+    places.retain(|_, found| found.len() > 1);
+    assert!(places.is_empty(), "types of the same name; give each its own: {places:#?}");
 }

@@ -105,7 +105,7 @@ fn the_topology_agrees_with_the_readme() {
             faces.push(face.iter().map(|&v| u32::try_from(v).expect("a small net")));
         }
         let checked = Topology::of_faces(net.positions.len(), faces, Winding::Refuse).expect("it is a manifold");
-        assert!(checked.split_from.is_empty() && checked.turned.is_empty(), "{name}");
+        assert!(checked.split_from.is_empty() && checked.reversed.is_empty(), "{name}");
         let topology = checked.topology;
         let of = |on_boundary: bool| {
             let all = (0..topology.n_vertices()).filter(|&v| topology.boundary_edges(v).is_some() == on_boundary);

@@ -408,7 +408,7 @@ fn faces_that_are_inside_out_are_turned() {
     cage.faces.iter_mut().for_each(|face| face.reverse());
     let turned = cage.solid(&COARSE).expect("a cube");
     let straight = cube(10.0).solid(&COARSE).expect("a cube");
-    assert_eq!([&turned, &straight].map(|found| found.certificate.shells[0].was_turned), [true, false]);
+    assert_eq!([&turned, &straight].map(|found| found.certificate.shells[0].was_inside_out), [true, false]);
     let [a, b] = [&turned, &straight].map(|found| found.certificate.volume());
     assert!((a / b - 1.0).abs() < 1e-12);
     check_topology("turned", &turned, 20.0);

@@ -4,16 +4,14 @@
 
 use super::ring::TubeRing;
 use crate::math::functions::{cos, sqrt};
-use crate::math::vector::{cross, dot, length, times};
+use crate::math::vector::{Complex, cross, dot, length, times};
 use crate::scheme::operator::Role;
 use crate::scheme::plan::Scheduled;
-
-/// A complex number: the first vertex of a ring in the plane perpendicular to the axis.
-type Complex = [f64; 2];
 
 /// The first vertices of the rings around a line, from one end to the other.
 #[derive(Debug, Clone)]
 pub(super) struct Profile {
+    /// Each as a complex number: the vertex in the plane perpendicular to the axis.
     rings: Vec<Complex>,
     /// The push-back factor of each ring.
     deltas: Vec<f64>,

@@ -9,9 +9,10 @@
 //! (2008), section 5.
 
 use super::local::{LocalRows, PlacedWeight};
-use super::sectors::{NetKind, Point};
+use super::sectors::{LatticePoint, NetKind};
 use crate::math::dense::Dense;
 use crate::math::functions::{cos, real, sin};
+use crate::math::vector::Complex;
 
 /// Largest imaginary part that is regarded as rounding, for weights of about 1: ten thousand roundings. Schemes without
 /// the symmetry have imaginary parts of about 1. Half or twice of it decides alike.
@@ -23,11 +24,11 @@ pub(super) enum Component {
     /// The value of the centre.
     Centre,
     /// The value of a point on the axis.
-    OnAxis(Point),
+    OnAxis(LatticePoint),
     /// The real part of the value of the first of two mirror images.
-    Even(Point, Point),
+    Even(LatticePoint, LatticePoint),
     /// The imaginary part of the value of the first of two mirror images.
-    Odd(Point, Point),
+    Odd(LatticePoint, LatticePoint),
 }
 
 /// The block of one Fourier index.
@@ -38,9 +39,6 @@ pub(super) struct FourierBlock {
     /// The matrix of the block.
     pub(super) matrix: Dense,
 }
-
-/// A complex number.
-type Complex = [f64; 2];
 
 fn times([a, b]: Complex, [c, d]: Complex) -> Complex {
     [a * c - b * d, a * d + b * c]
@@ -71,13 +69,13 @@ pub(super) fn components(kind: NetKind, radius: i32, index: usize) -> Vec<Compon
 
 /// Complex weights of the points of sector 0, and the weight of the centre.
 struct SectorFunctional {
-    points: Vec<(Point, Complex)>,
+    points: Vec<(LatticePoint, Complex)>,
     centre: f64,
 }
 
 impl SectorFunctional {
     /// Converts the weights `w(s, q)` of the row of a point p to weights of `u_q`.
-    fn of(kind: NetKind, n: usize, index: usize, point: Option<Point>, row: &[PlacedWeight]) -> Self {
+    fn of(kind: NetKind, n: usize, index: usize, point: Option<LatticePoint>, row: &[PlacedWeight]) -> Self {
         let from = point.map_or(0.0, |p| kind.turn(p));
         let mut functional = Self { points: Vec::new(), centre: 0.0 };
         for entry in row {
@@ -95,14 +93,14 @@ impl SectorFunctional {
         functional
     }
 
-    fn at(&self, point: Point) -> Complex {
+    fn at(&self, point: LatticePoint) -> Complex {
         self.points.iter().find(|(p, _)| *p == point).map_or([0.0; 2], |(_, weight)| *weight)
     }
 
     /// Returns `a f + b g`.
     fn mixed(a: Complex, f: &Self, b: Complex, g: &Self) -> Self {
         let points = f.points.iter().chain(&g.points).map(|(p, _)| *p).collect::<std::collections::BTreeSet<_>>();
-        let weight = |p: Point| {
+        let weight = |p: LatticePoint| {
             let (x, y) = (times(a, f.at(p)), times(b, g.at(p)));
             [x[0] + y[0], x[1] + y[1]]
         };
@@ -143,7 +141,7 @@ pub(super) fn row(
     component: Component,
     of: &[Component],
 ) -> Option<Vec<f64>> {
-    let functional = |p: Point| SectorFunctional::of(kind, n, index, Some(p), &local.rows[&p]);
+    let functional = |p: LatticePoint| SectorFunctional::of(kind, n, index, Some(p), &local.rows[&p]);
     let found = match component {
         Component::Centre => SectorFunctional::of(kind, n, index, None, &local.centre),
         Component::OnAxis(p) => functional(p),
@@ -169,8 +167,8 @@ impl FourierBlock {
     }
 
     /// Returns the value `u_p` of each point for a vector of the block.
-    pub(super) fn values(components: &[Component], vector: &[f64]) -> Vec<(Point, Complex)> {
-        let mut found: Vec<(Point, Complex)> = Vec::new();
+    pub(super) fn values(components: &[Component], vector: &[f64]) -> Vec<(LatticePoint, Complex)> {
+        let mut found: Vec<(LatticePoint, Complex)> = Vec::new();
         for (component, &x) in components.iter().zip(vector) {
             match *component {
                 Component::Centre => {}

@@ -13,7 +13,7 @@ use super::characteristic::{ring, sine};
 use super::fan::{FanBoundary, FanPlace, FanRows, mirrored, places, radius};
 use super::local::{Applied, closed};
 use super::regular::RegularMask;
-use super::sectors::{NetKind, PlaneNet, Point, WEIGHT_ROUNDING};
+use super::sectors::{LatticePoint, NetKind, PlaneNet, WEIGHT_ROUNDING};
 use super::spectrum::PointWeight;
 use super::verdict::{Criterion, REGULAR_NETS, SIMPLE_EIGENVALUE_ONE, Status};
 use crate::analysis::limit::Unlimited;
@@ -125,7 +125,7 @@ impl EigenvectorPair {
     fn of(block: &ParityBlock, value: f64) -> Self {
         let values = block.spread(&block.matrix.eigenvector(value));
         // scale: along the boundary the first point of ray 0 lies at 1, across it the farthest of the nearest points
-        let near = |point: &Point| point.iter().all(|x| (0..=1).contains(x));
+        let near = |point: &LatticePoint| point.iter().all(|x| (0..=1).contains(x));
         let nearest = values.iter().filter(|(place, _)| place.is_some_and(|(_, point)| near(&point)));
         let largest = nearest.fold(0.0, |most: f64, (_, x)| if x.abs() > most.abs() + 1e-9 { *x } else { most });
         let ray = values.get(&Some((0, [1, 0]))).copied().unwrap_or(0.0);
@@ -230,7 +230,7 @@ fn sorted(even: &ParityBlock, odd: &ParityBlock) -> Vec<Sided> {
 
 /// Groups weights by point: one value per ray, or per face.
 fn mask(m: usize, weights: &BTreeMap<FanPlace, f64>) -> Vec<PointWeight> {
-    let mut by_point: BTreeMap<Option<Point>, Vec<f64>> = BTreeMap::new();
+    let mut by_point: BTreeMap<Option<LatticePoint>, Vec<f64>> = BTreeMap::new();
     for (&place, &weight) in weights {
         let Some((s, point)) = place else {
             by_point.insert(None, vec![weight]);
@@ -245,17 +245,17 @@ fn mask(m: usize, weights: &BTreeMap<FanPlace, f64>) -> Vec<PointWeight> {
 /// Returns the faces of a fan as places; the first corner of a square or a lower triangle is the one nearest to the
 /// centre.
 fn faces(kind: NetKind, m: usize, farthest: i32) -> Vec<Vec<FanPlace>> {
-    let at = |s: usize, point: Point| match point {
+    let at = |s: usize, point: LatticePoint| match point {
         [0, 0] => None,
         [0, j] => Some((s + 1, [j, 0])),
         inside => Some((s, inside)),
     };
-    let shapes: &[&[Point]] = match kind {
+    let shapes: &[&[LatticePoint]] = match kind {
         NetKind::Triangles => &[&[[0, 0], [1, 0], [0, 1]], &[[1, 0], [1, 1], [0, 1]]],
         _ => &[&[[0, 0], [1, 0], [1, 1], [0, 1]]],
     };
     let cells = (0..m).flat_map(|s| (0..farthest).flat_map(move |i| (0..farthest).map(move |j| (s, i, j))));
-    let face = |(s, i, j): (usize, i32, i32), shape: &[Point]| -> Vec<FanPlace> {
+    let face = |(s, i, j): (usize, i32, i32), shape: &[LatticePoint]| -> Vec<FanPlace> {
         shape.iter().map(|[x, y]| at(s, [i + x, j + y])).collect()
     };
     let all = cells.flat_map(|cell| shapes.iter().map(move |shape| face(cell, shape)));

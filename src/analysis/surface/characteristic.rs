@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use super::blocks::phase;
 use super::convergence::{derivative, lebesgue_bound};
 use super::regular::{Polynomial, RegularMask};
-use super::sectors::{NetKind, Point};
+use super::sectors::{LatticePoint, NetKind};
 use crate::math::functions::{cos, real, sin, sqrt};
 use crate::math::vector::minus;
 use crate::watch::{Stopped, Watch};
@@ -37,7 +37,7 @@ pub(super) struct CharacteristicNet {
     /// The number of sectors.
     pub(super) n: usize,
     /// The value u of each point: the point lies at `u exp(2 pi i (s + t) / n)`.
-    pub(super) values: BTreeMap<Point, [f64; 2]>,
+    pub(super) values: BTreeMap<LatticePoint, [f64; 2]>,
 }
 
 /// A disc in the plane.
@@ -60,7 +60,7 @@ pub(super) enum RingVerdict {
 
 impl CharacteristicNet {
     /// Returns the position of a point of a sector.
-    pub(super) fn place(&self, kind: NetKind, sector: i32, point: Point) -> Option<[f64; 2]> {
+    pub(super) fn place(&self, kind: NetKind, sector: i32, point: LatticePoint) -> Option<[f64; 2]> {
         let [re, im] = *self.values.get(&point)?;
         let n = i32::try_from(self.n).unwrap_or(i32::MAX);
         let sector = usize::try_from(sector.rem_euclid(n)).unwrap_or(0);
@@ -69,7 +69,7 @@ impl CharacteristicNet {
     }
 
     /// Returns the position of a lattice point near sector 0.
-    fn at(&self, kind: NetKind, point: Point) -> Option<[f64; 2]> {
+    fn at(&self, kind: NetKind, point: LatticePoint) -> Option<[f64; 2]> {
         if kind.has_centre() && point == [0, 0] {
             return Some([0.0; 2]);
         }
@@ -110,15 +110,15 @@ fn length(a: [f64; 2]) -> f64 {
 /// A cell of the lattice: a square, or the lower or the upper triangle of one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct LatticeCell {
-    at: Point,
+    at: LatticePoint,
     /// Whether the cell is the upper triangle, away from the centre.
     upper: bool,
 }
 
 impl LatticeCell {
-    fn corners(self, kind: NetKind) -> impl Iterator<Item = Point> {
+    fn corners(self, kind: NetKind) -> impl Iterator<Item = LatticePoint> {
         let [x, y] = self.at;
-        let all: &[Point] = match (kind, self.upper) {
+        let all: &[LatticePoint] = match (kind, self.upper) {
             (NetKind::Triangles, false) => &[[0, 0], [1, 0], [0, 1]],
             (NetKind::Triangles, true) => &[[1, 0], [1, 1], [0, 1]],
             _ => &[[0, 0], [1, 0], [1, 1], [0, 1]],
@@ -162,7 +162,7 @@ fn cells(kind: NetKind, from: i32, to: i32) -> Vec<LatticeCell> {
 }
 
 /// Returns the points that influence the limit of a scheme on a cell.
-fn influences(mask: &Polynomial, d: i32, kind: NetKind, cell: LatticeCell) -> Vec<Point> {
+fn influences(mask: &Polynomial, d: i32, kind: NetKind, cell: LatticeCell) -> Vec<LatticePoint> {
     let (ends, ranges) = (RegularMask::ends(mask), cell.ranges(kind));
     let bounds: [[i32; 2]; 3] = std::array::from_fn(|k| {
         // low - last / (d - 1) < c < high - first / (d - 1)
@@ -176,7 +176,7 @@ fn influences(mask: &Polynomial, d: i32, kind: NetKind, cell: LatticeCell) -> Ve
 }
 
 /// Returns the points that influence the square between (0, 0) and (1, 1).
-pub(super) fn around_square(mask: &Polynomial, d: i32) -> Vec<Point> {
+pub(super) fn around_square(mask: &Polynomial, d: i32) -> Vec<LatticePoint> {
     influences(mask, d, NetKind::Quads, LatticeCell { at: [0, 0], upper: false })
 }
 
@@ -190,12 +190,12 @@ pub(super) struct RingProof {
     kind: NetKind,
     d: i32,
     /// The weights of new points by their residue modulo d: offsets to the old points, and their weights.
-    rules: BTreeMap<Point, Vec<(Point, f64)>>,
+    rules: BTreeMap<LatticePoint, Vec<(LatticePoint, f64)>>,
     /// The positions, and the derivatives along x and y.
     followed: [BoundedQuantity; 3],
     /// The least and the greatest corner of the smallest box with all points that influence the positions or
     /// derivatives on a cell at (0, 0).
-    span: [Point; 2],
+    span: [LatticePoint; 2],
     /// The radius at which the innermost ring begins.
     from: i32,
 }
@@ -204,7 +204,7 @@ pub(super) struct RingProof {
 #[derive(Debug)]
 struct BoundedQuantity {
     /// The points that influence a cell at (0, 0), for squares and lower triangles, and for upper triangles.
-    around: [Vec<Point>; 2],
+    around: [Vec<LatticePoint>; 2],
     /// An upper bound of the sum of absolute values of the basic limit functions.
     bound: f64,
 }
@@ -216,7 +216,7 @@ impl BoundedQuantity {
     }
 
     /// Returns the points that influence a cell.
-    fn around(&self, LatticeCell { at: [x, y], upper }: LatticeCell) -> impl Iterator<Item = Point> {
+    fn around(&self, LatticeCell { at: [x, y], upper }: LatticeCell) -> impl Iterator<Item = LatticePoint> {
         self.around[usize::from(upper)].iter().map(move |[i, j]| [x + i, y + j])
     }
 }
@@ -228,7 +228,7 @@ impl RingProof {
         let of = |mask: &Polynomial| BoundedQuantity::of(mask, d, kind);
         let along = |direction: usize| of(&derivative(regular, &[(direction, 1)])?);
         let followed = [of(&regular.mask)?, along(0)?, along(1)?];
-        let mut rules: BTreeMap<Point, Vec<(Point, f64)>> = BTreeMap::new();
+        let mut rules: BTreeMap<LatticePoint, Vec<(LatticePoint, f64)>> = BTreeMap::new();
         for (k, &a) in &regular.mask {
             rules.entry(k.map(|x| x.rem_euclid(d))).or_default().push((k.map(|x| x.div_euclid(d)), a));
         }
@@ -246,7 +246,7 @@ impl RingProof {
     /// Examines the net of an eigenvector on the ring that begins `farther` rings outside of the innermost one.
     pub(super) fn of(&self, net: &CharacteristicNet, farther: i32, watch: &Watch) -> Result<RingVerdict, Stopped> {
         let (kind, d, from) = (self.kind, self.d, self.from + farther);
-        let mut level: BTreeMap<Point, [f64; 2]> = BTreeMap::new();
+        let mut level: BTreeMap<LatticePoint, [f64; 2]> = BTreeMap::new();
         let mut open = cells(kind, from, d * from);
         for cell in &open {
             for point in self.followed[0].around(*cell) {
@@ -281,12 +281,16 @@ impl RingProof {
     }
 
     /// Returns the points of the next level that influence some cells.
-    fn refined(&self, level: &BTreeMap<Point, [f64; 2]>, cells: &[LatticeCell]) -> BTreeMap<Point, [f64; 2]> {
+    fn refined(
+        &self,
+        level: &BTreeMap<LatticePoint, [f64; 2]>,
+        cells: &[LatticeCell],
+    ) -> BTreeMap<LatticePoint, [f64; 2]> {
         let d = self.d;
-        let mut points: Vec<Point> = cells.iter().flat_map(|&cell| self.followed[0].around(cell)).collect();
+        let mut points: Vec<LatticePoint> = cells.iter().flat_map(|&cell| self.followed[0].around(cell)).collect();
         points.sort_unstable();
         points.dedup();
-        let place = |point: Point| {
+        let place = |point: LatticePoint| {
             let (old, residue) = (point.map(|x| x.div_euclid(d)), point.map(|x| x.rem_euclid(d)));
             let terms = self.rules.get(&residue).into_iter().flatten();
             terms.fold([0.0; 2], |sum, (k, a)| {
@@ -297,19 +301,20 @@ impl RingProof {
         points.into_iter().map(|point| (point, place(point))).collect()
     }
 
-    fn cell(&self, cell: LatticeCell, level: &BTreeMap<Point, [f64; 2]>, n: usize) -> RingVerdict {
+    fn cell(&self, cell: LatticeCell, level: &BTreeMap<LatticePoint, [f64; 2]>, n: usize) -> RingVerdict {
         let [from, to] = self.span.map(|p| [p[0] + cell.at[0], p[1] + cell.at[1]]);
-        let number = |[x, y]: Point| usize::try_from((x - from[0]) * (to[1] - from[1] + 1) + y - from[1]).unwrap_or(0);
+        let number =
+            |[x, y]: LatticePoint| usize::try_from((x - from[0]) * (to[1] - from[1] + 1) + y - from[1]).unwrap_or(0);
         let mut near = vec![[f64::NAN; 2]; number(to) + 1];
         for x in from[0]..=to[0] {
             level.range([x, from[1]]..=[x, to[1]]).for_each(|(&p, &place)| near[number(p)] = place);
         }
-        let at = |p: Point| near[number(p)];
-        let disc = |which: usize, value: &dyn Fn(Point) -> [f64; 2]| {
+        let at = |p: LatticePoint| near[number(p)];
+        let disc = |which: usize, value: &dyn Fn(LatticePoint) -> [f64; 2]| {
             let followed = &self.followed[which];
             PlanarDisc::around(&followed.around(cell).map(value).collect::<Vec<_>>(), followed.bound)
         };
-        let along = |u: Point| move |p: Point| minus(at([p[0] + u[0], p[1] + u[1]]), at(p));
+        let along = |u: LatticePoint| move |p: LatticePoint| minus(at([p[0] + u[0], p[1] + u[1]]), at(p));
         let (x, y) = (disc(1, &along([1, 0])), disc(2, &along([0, 1])));
         let middle = cross(x.middle, y.middle);
         let (a, b) = (length(x.middle), length(y.middle));

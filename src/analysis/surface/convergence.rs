@@ -9,7 +9,7 @@
 
 use super::iterated::Iterated;
 use super::regular::{Polynomial, RegularMask, divided};
-use super::sectors::Point;
+use super::sectors::LatticePoint;
 
 /// Maximum number of steps of a difference scheme whose norm is computed. Butterfly needs two, Kobbelt's scheme three;
 /// with six the bounds of basic limit functions are sharp enough for the proofs about their characteristic maps. Half
@@ -95,7 +95,7 @@ fn converges(regular: &RegularMask, along: &[(usize, u32)]) -> Option<(u32, f64)
 }
 
 /// Returns two directions that span the lattice and along which differences contract.
-fn contractions(mask: &Polynomial, d: i32) -> Option<[(Point, Contraction); 2]> {
+fn contractions(mask: &Polynomial, d: i32) -> Option<[(LatticePoint, Contraction); 2]> {
     let found: Vec<Option<Contraction>> =
         RegularMask::DIRECTIONS.iter().map(|&w| contraction(&divided(mask, w, d)?, d)).collect();
     let pair = spanning().find(|[i, k]| found[*i].is_some() && found[*k].is_some())?;
@@ -144,21 +144,22 @@ pub(super) fn lebesgue_bound(mask: &Polynomial, d: i32) -> Option<f64> {
 
 /// Returns the greatest cost of a new point: the least sum, over all choices of its old point, of absolute weights
 /// times the lattice steps to the weighted points along two directions, one step along each direction costing `costs`.
-fn farthest(mask: &Polynomial, d: i32, [u, v]: [Point; 2], costs: [f64; 2]) -> f64 {
+fn farthest(mask: &Polynomial, d: i32, [u, v]: [LatticePoint; 2], costs: [f64; 2]) -> f64 {
     let determinant = u[0] * v[1] - u[1] * v[0];
-    let steps = |[x, y]: Point| {
+    let steps = |[x, y]: LatticePoint| {
         let a = (x * v[1] - y * v[0]) / determinant;
         let b = (u[0] * y - u[1] * x) / determinant;
         costs[0] * f64::from(a.abs()) + costs[1] * f64::from(b.abs())
     };
-    let mut rows: std::collections::BTreeMap<Point, Vec<(Point, f64)>> = std::collections::BTreeMap::new();
+    let mut rows: std::collections::BTreeMap<LatticePoint, Vec<(LatticePoint, f64)>> =
+        std::collections::BTreeMap::new();
     for (k, a) in mask {
         let old = k.map(|x| -x.div_euclid(d));
         rows.entry(k.map(|x| x.rem_euclid(d))).or_default().push((old, *a));
     }
-    let nearest = |row: &Vec<(Point, f64)>| {
-        let from = |origin: Point| {
-            let moved = |(old, a): &(Point, f64)| a.abs() * steps([old[0] - origin[0], old[1] - origin[1]]);
+    let nearest = |row: &Vec<(LatticePoint, f64)>| {
+        let from = |origin: LatticePoint| {
+            let moved = |(old, a): &(LatticePoint, f64)| a.abs() * steps([old[0] - origin[0], old[1] - origin[1]]);
             row.iter().map(moved).sum::<f64>()
         };
         row.iter().map(|(old, _)| from(*old)).fold(f64::INFINITY, f64::min)

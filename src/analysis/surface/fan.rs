@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::layout::PlacementRecord;
 use super::local::{Applied, MAX_STAR_POINTS, TRIED_MARGINS};
-use super::sectors::{NetKind, Point, WEIGHT_ROUNDING};
+use super::sectors::{LatticePoint, NetKind, WEIGHT_ROUNDING};
 use super::star::{SectorPoint, Star};
 use crate::analysis::limit::{Centre, CycleRecord, Unlimited, WeightMode, child};
 use crate::scheme::mesh_net::MeshNet;
@@ -78,7 +78,7 @@ impl Fan {
         let kind = applied.kind;
         let places = places(kind, m, radius);
         let numbers: BTreeMap<FanPlace, u32> = places.iter().copied().zip(0..).collect();
-        let at = |s: usize, point: Point| match point {
+        let at = |s: usize, point: LatticePoint| match point {
             [0, 0] => 0,
             [0, j] => numbers[&Some((s + 1, [j, 0]))],
             inside => numbers[&Some((s, inside))],
@@ -233,7 +233,7 @@ impl FanReader<'_> {
 
 /// Returns the vertices at the points of the sector that begins at a half-edge, including both rays, as far as the net
 /// reaches. It walks from cell to cell and needs nothing beyond the rays.
-fn grid(topology: &Topology, kind: NetKind, start: u32, radius: i32) -> BTreeMap<Point, u32> {
+fn grid(topology: &Topology, kind: NetKind, start: u32, radius: i32) -> BTreeMap<LatticePoint, u32> {
     let known = |half_edge: u32| (half_edge != NONE).then_some(half_edge);
     let across = |half_edge: u32| known(topology.twin(topology.next(half_edge)));
     let triangles = kind == NetKind::Triangles;

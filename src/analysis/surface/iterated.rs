@@ -1,7 +1,7 @@
 //! Norms of the powers of a scheme on a lattice.
 
 use super::regular::Polynomial;
-use super::sectors::Point;
+use super::sectors::LatticePoint;
 use crate::math::functions::real;
 
 /// Maximum number of entries of an iterated mask: those of six steps of a mask with 7 x 7 entries. Bounds of basic
@@ -23,7 +23,7 @@ pub(super) struct Iterated<'a> {
 
 /// Numbers at the points of a rectangle, row by row.
 struct GridMask {
-    first: Point,
+    first: LatticePoint,
     size: [usize; 2],
     values: Vec<f64>,
 }

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::layout::PlacementRecord;
-use super::sectors::{NetKind, Point};
+use super::sectors::{LatticePoint, NetKind};
 use super::star::{Star, sector, starts};
 use crate::analysis::limit::{Centre, CycleRecord, Unlimited, WeightMode, child};
 use crate::scheme::plan::{Plan, Scheduled};
@@ -28,7 +28,7 @@ pub(super) struct PlacedWeight {
     /// The sector of the point.
     pub(super) sector: usize,
     /// The point in sector coordinates; `None` for the centre.
-    pub(super) point: Option<Point>,
+    pub(super) point: Option<LatticePoint>,
     /// The weight.
     pub(super) weight: f64,
 }
@@ -37,7 +37,7 @@ pub(super) struct PlacedWeight {
 #[derive(Debug, Clone)]
 pub(super) struct LocalRows {
     /// The weights of each point of sector 0.
-    pub(super) rows: BTreeMap<Point, Vec<PlacedWeight>>,
+    pub(super) rows: BTreeMap<LatticePoint, Vec<PlacedWeight>>,
     /// The weights of the centre; empty if the centre is a face.
     pub(super) centre: Vec<PlacedWeight>,
     /// The ratio of the distances of the first point of a sector from the centre after and before the applications.

@@ -20,7 +20,7 @@ use num_traits::{One, Zero};
 
 use super::characteristic::around_square;
 use super::regular::RegularMask;
-use super::sectors::Point;
+use super::sectors::LatticePoint;
 use crate::analysis::smoothness::{ExactMatrix, RadiusBounds, radius_bounds};
 use crate::math::exact::{self, Exact, binary, rounded};
 use crate::math::functions::ln;
@@ -52,7 +52,7 @@ pub struct Quotient {
 }
 
 /// A mask of fractions.
-type ExactMask = BTreeMap<Point, Exact>;
+type ExactMask = BTreeMap<LatticePoint, Exact>;
 
 impl Quotient {
     /// Returns what at most `nodes` matrix products prove; `None` if the mask has no sum rules, has a weight without a
@@ -107,7 +107,7 @@ fn monomials(order: i32) -> impl Iterator<Item = [i32; 2]> {
     (0..order).flat_map(|degree| (0..=degree).map(move |i| [i, degree - i]))
 }
 
-fn power([x, y]: Point, [i, j]: [i32; 2]) -> Exact {
+fn power([x, y]: LatticePoint, [i, j]: [i32; 2]) -> Exact {
     Exact::whole(x.into()).pow(i) * Exact::whole(y.into()).pow(j)
 }
 
@@ -115,7 +115,7 @@ fn power([x, y]: Point, [i, j]: [i32; 2]) -> Exact {
 /// K.
 fn sum_rules(mask: &ExactMask, d: i32) -> i32 {
     let same = |powers: [i32; 2]| {
-        let mut sums: BTreeMap<Point, Exact> = BTreeMap::new();
+        let mut sums: BTreeMap<LatticePoint, Exact> = BTreeMap::new();
         for (k, a) in mask {
             *sums.entry(k.map(|x| x.rem_euclid(d))).or_insert_with(Exact::zero) += a * power(*k, powers);
         }
@@ -129,22 +129,28 @@ fn sum_rules(mask: &ExactMask, d: i32) -> i32 {
 
 /// Splits the points into a triangle of points that determines a polynomial of a degree below the order, and the
 /// others.
-fn split_points(points: &[Point], order: i32) -> Option<(Vec<Point>, Vec<Point>)> {
-    let triangle = |[x, y]: Point| monomials(order).map(|[i, j]| [x + i, y + j]).collect::<Vec<_>>();
+fn split_points(points: &[LatticePoint], order: i32) -> Option<(Vec<LatticePoint>, Vec<LatticePoint>)> {
+    let triangle = |[x, y]: LatticePoint| monomials(order).map(|[i, j]| [x + i, y + j]).collect::<Vec<_>>();
     let corners = points.iter().map(|&p| triangle(p)).find(|all| all.iter().all(|p| points.contains(p)))?;
     let others = points.iter().copied().filter(|p| !corners.contains(p)).collect::<Vec<_>>();
     (order > 0 && !others.is_empty()).then_some((corners, others))
 }
 
 /// Returns the matrix of one of the finer cells on the quotient modulo polynomials.
-fn left_over(mask: &ExactMask, d: i32, e: Point, corners: &[Point], others: &[Point]) -> ExactMatrix {
+fn left_over(
+    mask: &ExactMask,
+    d: i32,
+    e: LatticePoint,
+    corners: &[LatticePoint],
+    others: &[LatticePoint],
+) -> ExactMatrix {
     let [x, y] = corners[0];
     let order = corners.iter().map(|p| p[0] - x + p[1] - y).max().unwrap_or(0);
-    let at = |f: Point, c: Point| mask.get(&[0, 1].map(|axis| e[axis] + f[axis] - d * c[axis])).cloned();
-    let row = |&f: &Point| {
-        let lagrange = |p: &Point| lagrange(order, [p[0] - x, p[1] - y], [f[0] - x, f[1] - y]);
-        let shares: Vec<(Point, Exact)> = corners.iter().map(|p| (*p, lagrange(p))).collect();
-        let cell = |&c: &Point| {
+    let at = |f: LatticePoint, c: LatticePoint| mask.get(&[0, 1].map(|axis| e[axis] + f[axis] - d * c[axis])).cloned();
+    let row = |&f: &LatticePoint| {
+        let lagrange = |p: &LatticePoint| lagrange(order, [p[0] - x, p[1] - y], [f[0] - x, f[1] - y]);
+        let shares: Vec<(LatticePoint, Exact)> = corners.iter().map(|p| (*p, lagrange(p))).collect();
+        let cell = |&c: &LatticePoint| {
             let through = shares.iter().filter_map(|(p, share)| Some(share * at(*p, c)?));
             at(f, c).unwrap_or_else(Exact::zero) - through.sum::<Exact>()
         };
@@ -155,7 +161,7 @@ fn left_over(mask: &ExactMask, d: i32, e: Point, corners: &[Point], others: &[Po
 
 /// Evaluates the polynomial of a degree that is 1 at the point (i, j) of the triangle `i, j >= 0, i + j <= degree` and
 /// 0 at all its other points.
-fn lagrange(degree: i32, [i, j]: Point, [x, y]: Point) -> Exact {
+fn lagrange(degree: i32, [i, j]: LatticePoint, [x, y]: LatticePoint) -> Exact {
     let falling = |x: i32, n: i32| (0..n).map(|k| Exact::ratio((x - k).into(), (k + 1).into())).product::<Exact>();
     falling(x, i) * falling(y, j) * falling(degree - x - y, degree - i - j)
 }

@@ -10,7 +10,7 @@
 use std::collections::BTreeMap;
 
 use super::local::Applied;
-use super::sectors::{NetKind, Point};
+use super::sectors::{LatticePoint, NetKind};
 use crate::analysis::limit::Unlimited;
 use crate::math::mask::Mask;
 use crate::watch::Watch;
@@ -20,7 +20,7 @@ use crate::watch::Watch;
 /// having them.
 const FACTOR_REMAINDER: f64 = 1e-12;
 /// A Laurent polynomial in two variables, by exponents.
-pub(super) type Polynomial = BTreeMap<Point, f64>;
+pub(super) type Polynomial = BTreeMap<LatticePoint, f64>;
 
 /// The rule of a regular net.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +48,7 @@ impl RegularMask {
         let radius = if kind == NetKind::Triangles { 2 * d - 1 } else { d };
         let local = applied.wide_enough(kind.regular(), radius, watch)?.ok_or(Unlimited::Unsettled)?;
         let from = i32::from(kind.has_centre());
-        let period = |[x, y]: &Point| (from..from + d).contains(x) && (0..d).contains(y);
+        let period = |[x, y]: &LatticePoint| (from..from + d).contains(x) && (0..d).contains(y);
         let mut mask = Polynomial::new();
         for ([x, y], row) in local.rows.iter().filter(|(point, _)| period(point)) {
             for entry in row {
@@ -102,14 +102,14 @@ impl RegularMask {
         let all = (a.first..=a.last()).flat_map(|x| (b.first..=b.last()).map(move |y| [x, y]));
         let product = |[x, y]: [i32; 2]| at(a, x).unwrap_or(0.0) * at(b, y).unwrap_or(0.0);
         let fits = |k: [i32; 2]| (self.mask.get(&k).copied().unwrap_or(0.0) - product(k)).abs() <= FACTOR_REMAINDER;
-        let inside = |[x, y]: &Point| (a.first..=a.last()).contains(x) && (b.first..=b.last()).contains(y);
+        let inside = |[x, y]: &LatticePoint| (a.first..=a.last()).contains(x) && (b.first..=b.last()).contains(y);
         (self.mask.keys().all(inside) && all.into_iter().all(fits)).then_some(curves)
     }
 
     /// Returns the least and the greatest exponent in x, y and x + y: the ends of the support of the basic limit
     /// function, times d - 1.
     pub(super) fn ends(mask: &Polynomial) -> [[i32; 2]; 3] {
-        let value = |k: &Point| [k[0], k[1], k[0] + k[1]];
+        let value = |k: &LatticePoint| [k[0], k[1], k[0] + k[1]];
         let mut ends = [[i32::MAX, i32::MIN]; 3];
         for k in mask.keys() {
             for (end, x) in ends.iter_mut().zip(value(k)) {
@@ -121,14 +121,14 @@ impl RegularMask {
 }
 
 /// Returns the quotient by `1 + z^u + ... + z^((d-1) u)` if there is no remainder.
-pub(super) fn divided(c: &Polynomial, [u, v]: Point, d: i32) -> Option<Polynomial> {
+pub(super) fn divided(c: &Polynomial, [u, v]: LatticePoint, d: i32) -> Option<Polynomial> {
     let mut quotient = Polynomial::new();
     let mut rest = c.clone();
     let size: f64 = c.values().map(|x| x.abs()).sum();
     // along each line in the direction u the first remaining term is a term of the quotient; x increases along all
     // directions but one, along which y does
-    let ahead = |[x, y]: &Point| x * u.signum() * 4096 + y * v.signum();
-    let mut order: Vec<Point> = rest.keys().copied().collect();
+    let ahead = |[x, y]: &LatticePoint| x * u.signum() * 4096 + y * v.signum();
+    let mut order: Vec<LatticePoint> = rest.keys().copied().collect();
     order.sort_by_key(ahead);
     let last = |rest: &Polynomial| rest.values().all(|x| x.abs() <= FACTOR_REMAINDER * size);
     let extent = order.last().map_or(0, ahead) - order.first().map_or(0, ahead);

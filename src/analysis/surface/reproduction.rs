@@ -7,7 +7,7 @@
 //! Source: Conti and Hormann, Journal of Approximation Theory 163 (2011), 413-437, here for two variables.
 
 use super::regular::{Polynomial, RegularMask};
-use super::sectors::Point;
+use super::sectors::LatticePoint;
 
 /// Maximum degree that is tested. The schemes of the catalogue have three at most. Half of it is enough for them; twice
 /// of it only takes time.
@@ -23,8 +23,8 @@ impl RegularMask {
         let shift = [0, 1].map(|axis| self.class([0, 0]).map(|(k, a)| a * f64::from(k[axis])).sum::<f64>() / (d - 1.0));
         let times = |x: f64, n: i32| (0..n).fold(1.0, |product, _| product * x);
         let power = |[x, y]: [f64; 2], [i, j]: [i32; 2]| times(x, i) * times(y, j);
-        let fits = |r: Point, powers: [i32; 2]| {
-            let old = |k: &Point| [0, 1].map(|axis| f64::from(r[axis] - k[axis]) / d + shift[axis]);
+        let fits = |r: LatticePoint, powers: [i32; 2]| {
+            let old = |k: &LatticePoint| [0, 1].map(|axis| f64::from(r[axis] - k[axis]) / d + shift[axis]);
             let sum: f64 = self.class(r).map(|(k, a)| a * power(old(k), powers)).sum();
             let new = [0, 1].map(|axis| (f64::from(r[axis]) + shift[axis]) / d);
             (sum - power(new, powers)).abs() <= SUM_ROUNDING
@@ -41,7 +41,7 @@ impl RegularMask {
     }
 
     /// Returns the entries of a residue class.
-    fn class(&self, r: Point) -> impl Iterator<Item = (&Point, &f64)> {
+    fn class(&self, r: LatticePoint) -> impl Iterator<Item = (&LatticePoint, &f64)> {
         let mask: &Polynomial = &self.mask;
         mask.iter().filter(move |(k, _)| (0..2).all(|axis| (k[axis] - r[axis]).rem_euclid(self.arity) == 0))
     }

@@ -24,7 +24,7 @@ pub(super) const WEIGHT_ROUNDING: f64 = 1e-12;
 pub type PlaneNet = (Vec<[f64; 2]>, Vec<Vec<usize>>);
 
 /// A point of one sector in sector coordinates, or of the lattice.
-pub(super) type Point = [i32; 2];
+pub(super) type LatticePoint = [i32; 2];
 
 impl NetKind {
     /// Returns the regular valence, or number of corners, of a net of this kind.
@@ -38,33 +38,33 @@ impl NetKind {
     }
 
     /// Returns the number of rings of faces between a point and the centre.
-    pub(super) fn radius(self, [i, j]: Point) -> i32 {
+    pub(super) fn radius(self, [i, j]: LatticePoint) -> i32 {
         if self == Self::Triangles { i + j } else { i.max(j) }
     }
 
     /// Returns the points of one sector up to a radius, the nearest first.
-    pub(super) fn points(self, radius: i32) -> Vec<Point> {
+    pub(super) fn points(self, radius: i32) -> Vec<LatticePoint> {
         let from = i32::from(self.has_centre());
         let all = (from..=radius).flat_map(|i| (0..=radius).map(move |j| [i, j]));
-        let mut points: Vec<Point> = all.filter(|&p| self.radius(p) <= radius).collect();
+        let mut points: Vec<LatticePoint> = all.filter(|&p| self.radius(p) <= radius).collect();
         points.sort_by_key(|&p| (self.radius(p), p));
         points
     }
 
     /// Returns the mirror image of a point: within its sector, except that the reflection maps points on rays from
     /// sector s to -s.
-    pub(super) fn mirrored(self, [i, j]: Point) -> Point {
+    pub(super) fn mirrored(self, [i, j]: LatticePoint) -> LatticePoint {
         if self.has_centre() && j == 0 { [i, 0] } else { [j, i] }
     }
 
     /// Returns the angle of a point of sector 0 as a fraction of a sector, as far as symmetry determines it: 0 on the
     /// ray, 1/2 within.
-    pub(super) fn turn(self, [_, j]: Point) -> f64 {
+    pub(super) fn turn(self, [_, j]: LatticePoint) -> f64 {
         if self.has_centre() && j > 0 { 0.5 } else { 0.0 }
     }
 
     /// Rotates a lattice point by one sector about the centre of the regular net.
-    fn turned(self, [x, y]: Point) -> Point {
+    fn turned(self, [x, y]: LatticePoint) -> LatticePoint {
         match self {
             Self::Quads => [-y, x],
             Self::Triangles => [-y, x + y],
@@ -73,14 +73,14 @@ impl NetKind {
     }
 
     /// Rotates a lattice point by a number of sectors, which may be negative.
-    pub(super) fn rotated(self, point: Point, sectors: i32) -> Point {
+    pub(super) fn rotated(self, point: LatticePoint, sectors: i32) -> LatticePoint {
         let turns = sectors.rem_euclid(if self == Self::Triangles { 6 } else { 4 });
         (0..turns).fold(point, |point, _| self.turned(point))
     }
 
     /// Returns the sector, as an offset from sector 0, and the sector coordinates of a lattice point near sector 0;
     /// `None` for the centre and for points on the far side.
-    pub(super) fn unfolded(self, point: Point) -> Option<(i32, Point)> {
+    pub(super) fn unfolded(self, point: LatticePoint) -> Option<(i32, LatticePoint)> {
         let from = i32::from(self.has_centre());
         [0, -1, 1, -2, 2].into_iter().find_map(|sector| {
             let [i, j] = self.rotated(point, -sector);
@@ -90,7 +90,7 @@ impl NetKind {
 
     /// Returns a position in the plane for a point of a sector around a centre with n sectors, by which directions are
     /// distinguished.
-    pub(super) fn direction(self, n: usize, sector: usize, [i, j]: Point) -> [f64; 2] {
+    pub(super) fn direction(self, n: usize, sector: usize, [i, j]: LatticePoint) -> [f64; 2] {
         let (a, b) = if self.has_centre() { (0.0, 1.0) } else { (-0.25, 0.25) };
         let shift = if self.has_centre() { 0.0 } else { 0.5 };
         let [p, q] = [a, b].map(|part| {

@@ -2,7 +2,7 @@
 
 use super::blocks::{Component, FourierBlock};
 use super::local::LocalRows;
-use super::sectors::{NetKind, Point};
+use super::sectors::{LatticePoint, NetKind};
 use crate::math::functions::{cos, real, sin};
 use crate::math::spectrum::{Eigenvalue, eigenvalues};
 use crate::watch::{Stopped, Watch};
@@ -111,7 +111,7 @@ impl Spectrum {
     pub(super) fn limit_mask(&self) -> Vec<PointWeight> {
         let mut mask = Vec::new();
         let n = real(self.n);
-        let mut add = |point: Option<Point>, value: f64| mask.push(PointWeight { point, values: vec![value] });
+        let mut add = |point: Option<LatticePoint>, value: f64| mask.push(PointWeight { point, values: vec![value] });
         for (component, &y) in self.blocks[0].components.iter().zip(&self.limit_row()) {
             match *component {
                 Component::Centre => add(None, y),
@@ -125,7 +125,7 @@ impl Spectrum {
 
     /// Returns the weights of two tangents for a left eigenvector of the block of index 1, by point and sector.
     pub(super) fn tangent_masks(&self, row: &[f64]) -> [Vec<PointWeight>; 2] {
-        let mut complex: Vec<(Point, [f64; 2])> = Vec::new();
+        let mut complex: Vec<(LatticePoint, [f64; 2])> = Vec::new();
         for (component, &y) in self.blocks[1].components.iter().zip(row) {
             match *component {
                 Component::Centre => {}
@@ -138,7 +138,7 @@ impl Spectrum {
             }
         }
         let mask = |which: usize| {
-            let weights = |&(point, [re, im]): &(Point, [f64; 2])| {
+            let weights = |&(point, [re, im]): &(LatticePoint, [f64; 2])| {
                 let value = |sector: usize| {
                     let angle = std::f64::consts::TAU * (real(sector) + self.kind.turn(point)) / real(self.n);
                     let (c, s) = (cos(angle), sin(angle));

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::sectors::{NetKind, Point};
+use super::sectors::{LatticePoint, NetKind};
 use crate::analysis::limit::Centre;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::tags::Boundary;
@@ -13,7 +13,7 @@ use crate::shape::directions::{Direction, Directions};
 use crate::shape::topology::{NONE, Topology, index};
 
 /// A place around the centre: a sector and a point of it.
-pub(super) type SectorPoint = (usize, Point);
+pub(super) type SectorPoint = (usize, LatticePoint);
 
 /// A net of n sectors around its centre.
 #[derive(Debug)]
@@ -34,7 +34,7 @@ impl Star {
         places.extend((0..n).flat_map(|s| points.iter().map(move |&p| Some((s, p)))));
         let numbers: BTreeMap<SectorPoint, u32> =
             places.iter().enumerate().filter_map(|(v, place)| place.map(|place| (place, index(v)))).collect();
-        let at = |s: usize, [i, j]: Point| match (kind.has_centre(), i, j) {
+        let at = |s: usize, [i, j]: LatticePoint| match (kind.has_centre(), i, j) {
             (true, 0, 0) => 0,
             (true, 0, j) => numbers[&((s + 1) % n, [j, 0])],
             _ => numbers[&(s % n, [i, j])],
@@ -101,7 +101,7 @@ pub(super) fn starts(topology: &Topology, centre: Centre) -> Vec<u32> {
 }
 
 /// Returns the vertices at the points of the sector that begins at a half-edge, as far as the net reaches.
-pub(super) fn sector(topology: &Topology, kind: NetKind, start: u32, radius: i32) -> BTreeMap<Point, u32> {
+pub(super) fn sector(topology: &Topology, kind: NetKind, start: u32, radius: i32) -> BTreeMap<LatticePoint, u32> {
     let half = kind.regular() / 2;
     let turned = |half_edge: u32, times: usize| (0..times).try_fold(half_edge, |at, _| counter_clockwise(topology, at));
     let straight = |half_edge: u32| turned(topology.twin(half_edge), half);

@@ -8,7 +8,7 @@ use super::boundary::BoundaryReport;
 use super::characteristic::{CharacteristicNet, RingProof, ring};
 use super::local::{Applied, LocalRows, closed};
 use super::regular::RegularMask;
-use super::sectors::{NetKind, PlaneNet, Point, WEIGHT_ROUNDING};
+use super::sectors::{LatticePoint, NetKind, PlaneNet, WEIGHT_ROUNDING};
 use super::smoothness::RegularSmoothness;
 use super::spectrum::{LocalEigenvalue, PointWeight, Spectrum};
 use super::survey::{Extraordinary, on_boundary, survey};
@@ -183,7 +183,7 @@ impl SurfaceStudy {
         let reach = ends.iter().map(|end| (end[1] + d - 2).div_euclid(d - 1)).max().unwrap_or(1) - 1;
         let n = i32::try_from(n).unwrap_or(i32::MAX);
         local.rows.iter().filter(|(p, _)| kind.radius(**p) >= radius - reach).all(|(p, row)| {
-            let mut left: BTreeMap<Option<(usize, Point)>, f64> = BTreeMap::new();
+            let mut left: BTreeMap<Option<(usize, LatticePoint)>, f64> = BTreeMap::new();
             for entry in row {
                 *left.entry(entry.point.map(|point| (entry.sector, point))).or_insert(0.0) += entry.weight;
             }
@@ -243,7 +243,7 @@ fn shown(kind: NetKind, net: &CharacteristicNet) -> (Vec<[f64; 2]>, Vec<Vec<usiz
     let fits = |radius: &i32| kind.points(*radius).len() * net.n < MAX_NET_POINTS;
     let radius = (1..=farthest).rev().find(fits).unwrap_or(1).min(farthest);
     let star = super::star::Star::new(kind, net.n, radius);
-    let place = |place: &Option<(usize, Point)>| match place {
+    let place = |place: &Option<(usize, LatticePoint)>| match place {
         None => [0.0; 2],
         Some((sector, point)) => {
             let sector = i32::try_from(*sector).unwrap_or(0);

@@ -24,7 +24,7 @@ const WHOLE_NET_LEVELS: usize = 2;
 /// Maximum number of levels that are measured around vertices where the net is not regular.
 /// Where remainders halve at each level, 40 levels leave 1e-12 of them, 20 leave 1e-6 and 80 less than rounding; where
 /// each level leaves 0.8 of them, 40 leave 1e-4.
-const MAX_IRREGULAR_LEVELS: usize = 40;
+const MAX_EXTRAORDINARY_LEVELS: usize = 40;
 /// The remainder that need not be reduced further, relative to the greatest distance measured; larger ones remain only
 /// where reducing them takes too many faces.
 /// With half of it bounds are up to 0.1 closer and more faces are followed; with twice of it bounds may be up to 0.4
@@ -342,7 +342,7 @@ pub(super) fn bound(
     let (first, limit, cuts) = (None, Vec::new(), ALL_CUTS);
     let mut comparison = LimitComparison { spline, output, first, limit, greatest: 0.0, rounding, cuts, budget };
     let (mut level, mut bound) = (base.clone(), 0.0_f64);
-    for ahead in 0..=MAX_IRREGULAR_LEVELS {
+    for ahead in 0..=MAX_EXTRAORDINARY_LEVELS {
         let next = if spline.halved { ComparedNet::next_halved } else { ComparedNet::next };
         let next = |level: &ComparedNet| next(level, &spline.plan, spline.round(ahead), &budget.watch);
         if ahead < WHOLE_NET_LEVELS && level.faces_after(1) <= FOLLOWED_FACES {
@@ -356,7 +356,7 @@ pub(super) fn bound(
         let part = |least: f64| {
             let kept = seen.remainders.iter().filter(|&&(_, remainder)| remainder > least);
             let kept: Vec<u32> = kept.map(|&(face, _)| face).collect();
-            let few = ahead < MAX_IRREGULAR_LEVELS && (1..=PART_FACES / 4).contains(&kept.len());
+            let few = ahead < MAX_EXTRAORDINARY_LEVELS && (1..=PART_FACES / 4).contains(&kept.len());
             let part = few.then(|| level.focused(&kept, spline.margin()))?;
             (part.faces_after(1) <= PART_FACES).then_some((part, least))
         };

@@ -86,8 +86,9 @@ impl<'a> Hulls<'a> {
         }
         let plane = WhitenedPlane::of(n, half_edges().map(at))?;
         let of_near = |face: usize| self.near(face).iter().map(|&v| points[v as usize]);
-        let seen = |face: usize| -> Vec<Point> { of_near(face).map(|p| plane.project(p)).collect() };
-        let face_points: Vec<Point> = topology.face(face).iter().map(|&v| plane.project(points[v as usize])).collect();
+        let seen = |face: usize| -> Vec<PlanePoint> { of_near(face).map(|p| plane.project(p)).collect() };
+        let face_points: Vec<PlanePoint> =
+            topology.face(face).iter().map(|&v| plane.project(points[v as usize])).collect();
         let hull = seen(face);
         for half_edge in half_edges() {
             let twin = topology.twin(half_edge);
@@ -145,7 +146,7 @@ impl<'a> Hulls<'a> {
 }
 
 /// A point of a plane.
-type Point = [f64; 2];
+type PlanePoint = [f64; 2];
 
 /// A plane across a direction, with affine coordinates in which given points have the same variance in all directions.
 /// Whether a line separates points does not depend on the coordinates.
@@ -180,7 +181,7 @@ impl WhitenedPlane {
         (length(along).is_finite() && length(across).is_finite()).then_some(Self { origin, axes: [along, across] })
     }
 
-    fn project(&self, p: Vector) -> Point {
+    fn project(&self, p: Vector) -> PlanePoint {
         self.axes.map(|axis| dot(axis, minus(p, self.origin)))
     }
 }
@@ -188,12 +189,12 @@ impl WhitenedPlane {
 /// Returns whether a line is found that separates two sets of points. As with the perceptron, its normal is corrected
 /// up to [`MAX_NORMAL_CORRECTIONS`] times by the pair of points that it separates worst.
 /// Source: F. Rosenblatt, Psychological Review 65 (1958), 386-408.
-fn are_apart(a: &[Point], b: &[Point]) -> bool {
-    let mean_of = |points: &[Point]| points.iter().copied().fold([0.0; 2], plus).map(|x| x / real(points.len()));
+fn are_apart(a: &[PlanePoint], b: &[PlanePoint]) -> bool {
+    let mean_of = |points: &[PlanePoint]| points.iter().copied().fold([0.0; 2], plus).map(|x| x / real(points.len()));
     let mut normal = unit(minus(mean_of(b), mean_of(a)));
     for _ in 0..MAX_NORMAL_CORRECTIONS {
-        let extreme = |points: &[Point], sign: f64| {
-            let ahead = |p: &Point| sign * dot(normal, *p);
+        let extreme = |points: &[PlanePoint], sign: f64| {
+            let ahead = |p: &PlanePoint| sign * dot(normal, *p);
             points.iter().copied().reduce(|most, p| if ahead(&p) > ahead(&most) { p } else { most })
         };
         let (Some(far), Some(near)) = (extreme(a, 1.0), extreme(b, -1.0)) else { return false };

@@ -8,7 +8,9 @@ use ttf_parser::OutlineBuilder;
 
 use super::fonts::PdfFont;
 use crate::drawing::error::DrawError;
-use crate::drawing::scene::{Cap, Color, Discs, Drawing, Group, Item, Lettering, Mark, Picture, Point, Stroke, Text};
+use crate::drawing::scene::{
+    Cap, Color, Discs, Drawing, DrawingItem, Group, Lettering, Mark, Picture, Point, Stroke, Text,
+};
 use crate::watch::Watch;
 
 /// Points per pixel: 96 pixels and 72 points are an inch.
@@ -77,7 +79,7 @@ fn short(x: f32) -> f32 {
 }
 
 impl<'a> PdfPainter<'a> {
-    fn items(&mut self, items: &'a [Item]) -> Result<(), DrawError> {
+    fn items(&mut self, items: &'a [DrawingItem]) -> Result<(), DrawError> {
         for item in items {
             self.watch.check()?;
             self.content.save_state();

@@ -9,6 +9,7 @@ use meshoptimizer_rs::codec::{BufferView, Filter, Mode};
 use meshoptimizer_rs::{Limits, Workspace};
 use serde_json::value::RawValue;
 
+use super::transform::RawMembers;
 use crate::input::room::MemoryBudget;
 
 /// The name of the extension, whose fallback buffers need no data.
@@ -31,9 +32,6 @@ struct PackedStream {
     filter: Option<String>,
 }
 
-/// The members of an object as raw JSON.
-type Members<'a> = BTreeMap<String, &'a RawValue>;
-
 /// Decodes all compressed views from the bytes of the buffers, and returns them by index.
 ///
 /// # Errors
@@ -45,15 +43,15 @@ pub(super) fn views(
 ) -> Result<BTreeMap<usize, Vec<u8>>, String> {
     let mut found = BTreeMap::new();
     let unread = |error: serde_json::Error| crate::fault::cut(&error.to_string(), 200).into_owned();
-    let document: Members<'_> = serde_json::from_slice(json).map_err(unread)?;
+    let document: RawMembers<'_> = serde_json::from_slice(json).map_err(unread)?;
     let Some(views) = document.get("bufferViews") else { return Ok(found) };
     let views: Vec<&RawValue> = serde_json::from_str(views.get()).map_err(unread)?;
     for (i, view) in views.into_iter().enumerate() {
         let place = |detail: String| format!("bufferView {i}: its stream {PACKED}: {detail}");
         let said = |text: &str| -> serde_json::Result<Option<PackedStream>> {
-            let view: Members<'_> = serde_json::from_str(text)?;
+            let view: RawMembers<'_> = serde_json::from_str(text)?;
             let Some(extensions) = view.get("extensions") else { return Ok(None) };
-            let extensions: Members<'_> = serde_json::from_str(extensions.get())?;
+            let extensions: RawMembers<'_> = serde_json::from_str(extensions.get())?;
             extensions.get(PACKED).map(|stream| PackedStream::of(stream.get())).transpose()
         };
         if let Some(stream) = said(view.get()).map_err(unread).map_err(place)? {
@@ -66,7 +64,7 @@ pub(super) fn views(
 impl PackedStream {
     /// Parses the extension object of a view.
     fn of(text: &str) -> serde_json::Result<Self> {
-        let members: Members<'_> = serde_json::from_str(text)?;
+        let members: RawMembers<'_> = serde_json::from_str(text)?;
         let text = |name: &str| members.get(name).map_or("null", |value| value.get());
         let number = |name: &str| serde_json::from_str(text(name));
         Ok(Self {

@@ -16,7 +16,7 @@ pub(super) struct Placement {
 }
 
 /// The members of an object as raw JSON.
-type Members<'a> = BTreeMap<String, &'a RawValue>;
+pub(super) type RawMembers<'a> = BTreeMap<String, &'a RawValue>;
 
 impl Placement {
     /// Reads the placements of all nodes of a document; `None` for nodes without transform properties.
@@ -24,11 +24,11 @@ impl Placement {
     /// # Errors
     /// The document is not valid glTF.
     pub(super) fn all(json: &[u8]) -> serde_json::Result<Vec<Option<Box<Self>>>> {
-        let document: Members<'_> = serde_json::from_slice(json)?;
+        let document: RawMembers<'_> = serde_json::from_slice(json)?;
         let Some(nodes) = document.get("nodes") else { return Ok(Vec::new()) };
         let nodes: Vec<&RawValue> = serde_json::from_str(nodes.get())?;
         let placement = |node: &&RawValue| {
-            let node: Members<'_> = serde_json::from_str(node.get())?;
+            let node: RawMembers<'_> = serde_json::from_str(node.get())?;
             let text = |name: &str| node.get(name).map_or("null", |value| value.get());
             let placement = Self {
                 matrix: serde_json::from_str(text("matrix"))?,

@@ -4,7 +4,7 @@ use crate::input::text::quoted;
 use crate::shape::topology::NONE;
 
 /// Indices of vertex, texture coordinate and normal, counted from 0; [`NONE`] if absent.
-pub(super) type Corner = [u32; 3];
+pub(super) type ObjCorner = [u32; 3];
 
 const INDEX_KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
@@ -13,7 +13,7 @@ const INDEX_KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 /// # Errors
 /// The word is not a corner, or a backward index points before the first entry. Forward indices are checked at the end
 /// of the file.
-pub(super) fn read(word: &str, counts: [usize; 3]) -> Result<Corner, String> {
+pub(super) fn read(word: &str, counts: [usize; 3]) -> Result<ObjCorner, String> {
     let mut corner = [NONE; 3];
     let mut parts = word.split('/');
     for (k, slot) in corner.iter_mut().enumerate() {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::corner::{self, Corner};
+use super::corner::{self, ObjCorner};
 use crate::input::collect::MeshBuilder;
 use crate::input::reader::{CornerUvs, ReadMesh};
 use crate::input::text::{at_line, quoted};
@@ -46,7 +46,7 @@ impl ObjFaces {
         let first = self.uvs.len();
         let mut shape: Option<[bool; 2]> = None;
         for word in words {
-            let [vertex, uv, normal]: Corner = corner::read(word, counts)?;
+            let [vertex, uv, normal]: ObjCorner = corner::read(word, counts)?;
             let given = [uv != NONE, normal != NONE];
             if *shape.get_or_insert(given) != given {
                 self.uvs.truncate(first);

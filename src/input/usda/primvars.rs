@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::polygons::{MeshRanges, below, is_subdivided};
-use super::tree::{Prim, UsdaProperty, Value, metadata_value};
+use super::tree::{Prim, UsdaProperty, UsdaValue, metadata_value};
 use crate::input::colors::encoded;
 use crate::input::reader::{CornerUvs, ReadMesh};
 use crate::input::room::{GROWN, MemoryBudget};
@@ -180,7 +180,7 @@ impl PrimvarRows {
         if self.width != 0 && self.width != width {
             return Ok(Err("another mesh has it with another type".to_owned()));
         }
-        let lies = metadata_value(metadata, "interpolation").and_then(Value::word).unwrap_or("constant");
+        let lies = metadata_value(metadata, "interpolation").and_then(UsdaValue::word).unwrap_or("constant");
         let n = match lies {
             "vertex" | "varying" => part.n_vertices,
             "faceVarying" => part.corners.len(),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::polygons::{self, MeshRanges, below};
 use super::primvars::Primvars;
-use super::tree::{Layer, Prim, Value, metadata_value};
+use super::tree::{Layer, Prim, UsdaValue, metadata_value};
 use super::{looks, place};
 use crate::input::collect::MeshBuilder;
 use crate::input::reader::{ReadLimits, ReadMesh};
@@ -72,7 +72,7 @@ pub(super) fn read(
 }
 
 /// Whether any metadata of these names refer to files or other prims.
-fn has_files(metadata: &[(&str, Value<'_>)], names: &[&str]) -> bool {
+fn has_files(metadata: &[(&str, UsdaValue<'_>)], names: &[&str]) -> bool {
     names
         .iter()
         .filter_map(|name| metadata_value(metadata, name))
@@ -118,7 +118,7 @@ impl<'a> UsdaReader<'_, 'a> {
         outer: &Transform,
         bound: Option<&'a str>,
     ) -> Result<(), String> {
-        let is_off = metadata_value(&prim.metadata, "active").and_then(Value::number) == Some(0.0);
+        let is_off = metadata_value(&prim.metadata, "active").and_then(UsdaValue::number) == Some(0.0);
         if prim.specifier != "def" || is_off {
             return Ok(());
         }
@@ -169,7 +169,7 @@ impl<'a> UsdaReader<'_, 'a> {
 
     /// Adds the groups and materials of the faces of a mesh.
     fn sets(&mut self, prim: &Prim<'a>, part: &MeshRanges, bound: Option<&'a str>) -> Result<(), String> {
-        let is_one_sided = prim.value("doubleSided").and_then(Value::number) == Some(0.0);
+        let is_one_sided = prim.value("doubleSided").and_then(UsdaValue::number) == Some(0.0);
         self.room.take(2 * USDA_SET_BYTES + part.n_faces * (2 * USDA_MEMBER_BYTES + 2))?;
         let mut free = [vec![true; part.n_faces], vec![true; part.n_faces]];
         for subset in prim.children.iter().filter(|child| child.kind == "GeomSubset" && child.specifier == "def") {

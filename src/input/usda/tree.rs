@@ -17,7 +17,7 @@ const USDA_PRIM_BYTES: usize = GROWN * size_of::<Prim<'static>>();
 /// A layer.
 #[derive(Debug, Default)]
 pub(super) struct Layer<'a> {
-    pub(super) metadata: Vec<(&'a str, Value<'a>)>,
+    pub(super) metadata: Vec<(&'a str, UsdaValue<'a>)>,
     pub(super) prims: Vec<Prim<'a>>,
     /// The number of variant sets that were skipped.
     pub(super) variants: usize,
@@ -31,7 +31,7 @@ pub(super) struct Prim<'a> {
     /// The type, or empty.
     pub(super) kind: &'a str,
     pub(super) name: &'a str,
-    pub(super) metadata: Vec<(&'a str, Value<'a>)>,
+    pub(super) metadata: Vec<(&'a str, UsdaValue<'a>)>,
     /// Properties with distinct names, sorted by name.
     pub(super) properties: Vec<UsdaProperty<'a>>,
     pub(super) children: Vec<Prim<'a>>,
@@ -43,13 +43,13 @@ pub(super) struct UsdaProperty<'a> {
     /// The type of an attribute without brackets; `rel` for a relationship.
     pub(super) kind: &'a str,
     pub(super) name: &'a str,
-    pub(super) value: Value<'a>,
-    pub(super) metadata: Vec<(&'a str, Value<'a>)>,
+    pub(super) value: UsdaValue<'a>,
+    pub(super) metadata: Vec<(&'a str, UsdaValue<'a>)>,
 }
 
 /// All numbers of a value, and all its words, texts and paths, in order.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Value<'a> {
+pub(super) struct UsdaValue<'a> {
     pub(super) numbers: Vec<f64>,
     pub(super) words: Vec<&'a str>,
     /// Whether the value refers to files.
@@ -58,7 +58,7 @@ pub(super) struct Value<'a> {
     pub(super) is_sampled: bool,
 }
 
-impl<'a> Value<'a> {
+impl<'a> UsdaValue<'a> {
     /// Returns the first word.
     pub(super) fn word(&self) -> Option<&'a str> {
         self.words.first().copied()
@@ -76,7 +76,10 @@ impl<'a> Value<'a> {
 }
 
 /// Returns the metadata value with this name.
-pub(super) fn metadata_value<'p, 'a>(metadata: &'p [(&'a str, Value<'a>)], name: &str) -> Option<&'p Value<'a>> {
+pub(super) fn metadata_value<'p, 'a>(
+    metadata: &'p [(&'a str, UsdaValue<'a>)],
+    name: &str,
+) -> Option<&'p UsdaValue<'a>> {
     metadata.iter().find(|(found, _)| *found == name).map(|(_, value)| value)
 }
 
@@ -88,7 +91,7 @@ impl<'a> Prim<'a> {
     }
 
     /// Returns the value of a property.
-    pub(super) fn value(&self, name: &str) -> Option<&Value<'a>> {
+    pub(super) fn value(&self, name: &str) -> Option<&UsdaValue<'a>> {
         self.property(name).map(|property| &property.value)
     }
 
@@ -104,7 +107,8 @@ impl<'a> Prim<'a> {
 
     /// Returns the display name, or else the name.
     pub(super) fn label(&self) -> String {
-        let shown = metadata_value(&self.metadata, "displayName").and_then(Value::word).filter(|name| !name.is_empty());
+        let shown =
+            metadata_value(&self.metadata, "displayName").and_then(UsdaValue::word).filter(|name| !name.is_empty());
         shown.map_or_else(|| self.name.to_owned(), unescaped)
     }
 }
@@ -213,7 +217,7 @@ impl<'a> UsdaParser<'a, '_> {
     }
 
     /// Reads metadata, if any follow.
-    fn metadata(&mut self) -> Result<Vec<(&'a str, Value<'a>)>, String> {
+    fn metadata(&mut self) -> Result<Vec<(&'a str, UsdaValue<'a>)>, String> {
         let mut all = Vec::new();
         if !self.tokens.takes(b'(')? {
             return Ok(all);
@@ -240,8 +244,8 @@ impl<'a> UsdaParser<'a, '_> {
     }
 
     /// Reads a value: the first of time samples, and nothing of dictionaries.
-    fn value(&mut self) -> Result<Value<'a>, String> {
-        let mut value = Value::default();
+    fn value(&mut self) -> Result<UsdaValue<'a>, String> {
+        let mut value = UsdaValue::default();
         if !self.tokens.takes(b'{')? {
             self.values(&mut value, 0)?;
             return Ok(value);
@@ -257,7 +261,7 @@ impl<'a> UsdaParser<'a, '_> {
     }
 
     /// Reads one value or a list into `value`.
-    fn values(&mut self, value: &mut Value<'a>, depth: usize) -> Result<(), String> {
+    fn values(&mut self, value: &mut UsdaValue<'a>, depth: usize) -> Result<(), String> {
         match self.tokens.next()? {
             UsdaToken::Number(x) => {
                 self.room.take(USDA_NUMBER_BYTES)?;
@@ -293,7 +297,7 @@ impl<'a> UsdaParser<'a, '_> {
     }
 
     /// Skips the parentheses after a reference to a file.
-    fn pass_of_reference(&mut self, value: &Value<'a>) -> Result<(), String> {
+    fn pass_of_reference(&mut self, value: &UsdaValue<'a>) -> Result<(), String> {
         if value.has_assets && self.tokens.takes(b'(')? { self.pass(b'(', b')') } else { Ok(()) }
     }
 

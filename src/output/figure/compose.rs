@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use super::grid::{PanelRect, Sheet};
-use crate::drawing::{self, Drawing, FontWeight, Item, Label, Mark, pdf, svg};
+use crate::drawing::{self, Drawing, DrawingItem, FontWeight, Label, Mark, pdf, svg};
 use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::error::FormatError;
@@ -90,7 +90,7 @@ pub fn write(
     watch: &Watch,
 ) -> Result<(), FormatError> {
     watch.enter(Stage::Render);
-    let mut items: Vec<Item> =
+    let mut items: Vec<DrawingItem> =
         sheet.pictures.iter().zip(pictures).map(|(place, picture)| placed(*place, picture)).collect();
     items.extend(sheet.texts.iter().cloned());
     let background = options.color("background").unwrap_or([255; 4]);
@@ -111,11 +111,11 @@ pub fn write(
 
 /// Returns a picture as an item of the figure.
 #[expect(clippy::cast_precision_loss, reason = "figures have some thousand pixels")]
-fn placed(PanelRect { at, size }: PanelRect, picture: PanelPicture) -> Item {
+fn placed(PanelRect { at, size }: PanelRect, picture: PanelPicture) -> DrawingItem {
     let [[x, y], extent] = [at, size].map(|pair| pair.map(|n| n as f32));
     match picture {
         PanelPicture::Pixels(pixels) => {
-            Item::new("panel", Mark::Picture(drawing::Picture { size, pixels, at: [x, y], extent }))
+            DrawingItem::new("panel", Mark::Picture(drawing::Picture { size, pixels, at: [x, y], extent }))
         }
         PanelPicture::Lines(drawing) => drawing.into_group([x, y, extent[0], extent[1]]),
     }

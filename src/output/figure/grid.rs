@@ -1,7 +1,7 @@
 //! The layout of a figure: the places of its panels, and the texts beside them.
 
 use crate::drawing::{
-    ASCENT, Color, DESCENT, FontWeight, HorizontalAlign, Item, Label, Mark, Text, VerticalAlign, wrapped,
+    ASCENT, Color, DESCENT, DrawingItem, FontWeight, HorizontalAlign, Label, Mark, Text, VerticalAlign, wrapped,
 };
 use crate::raster::MAX_SIDE_PX;
 
@@ -62,7 +62,7 @@ pub struct Sheet {
     /// The places of the pictures of all panels; the layers of a panel are in order from the lowest up.
     pub pictures: Vec<PanelRect>,
     /// The texts.
-    pub texts: Vec<Item>,
+    pub texts: Vec<DrawingItem>,
 }
 
 /// Heights in a row: of its pictures, and of the captions below them.
@@ -230,7 +230,7 @@ impl FontSize {
 
     /// Returns lines centred at `x`, below `y`.
     #[expect(clippy::cast_precision_loss, reason = "figures have some thousand pixels, and texts some lines")]
-    fn items(self, class: &'static str, lines: &[Label], [x, y]: [u32; 2]) -> Vec<Item> {
+    fn items(self, class: &'static str, lines: &[Label], [x, y]: [u32; 2]) -> Vec<DrawingItem> {
         let line = |(i, label): (usize, &Label)| {
             let baseline = y as f32 + (ASCENT + 0.35) * self.size_px + i as f32 * self.step();
             let text = Text {
@@ -242,7 +242,7 @@ impl FontSize {
                 turn_deg: 0.0,
                 color: CAPTION_INK,
             };
-            Item::new(class, Mark::Text(text))
+            DrawingItem::new(class, Mark::Text(text))
         };
         lines.iter().enumerate().map(line).collect()
     }

@@ -5,7 +5,7 @@ use super::easel::Easel;
 use super::options::{COMB_SCALE, FILL, Options};
 use super::plot::{PlotArea, PlotItems};
 use super::styles::{Style, styles};
-use crate::drawing::{Color, Discs, Drawing, FontWeight, Item, Label, LegendSample, Mark, Point, Stroke};
+use crate::drawing::{Color, Discs, Drawing, DrawingItem, FontWeight, Label, LegendSample, Mark, Point, Stroke};
 use crate::output::error::FormatError;
 use crate::output::scene::{Curve, Scene, Shape};
 use crate::watch::Watch;
@@ -48,7 +48,10 @@ pub(crate) fn drawing(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -
     }
     if shows("tangents") {
         let runs = tangents(artist.easel, curves, control, artist.side_px, watch)?;
-        plot.line(Item::lines("tangents", runs, artist.stroke(1.8, TANGENT_INK)).titled("tangents"), "tangents")?;
+        plot.line(
+            DrawingItem::lines("tangents", runs, artist.stroke(1.8, TANGENT_INK)).titled("tangents"),
+            "tangents",
+        )?;
     }
     if shows("vertices") {
         artist.points(curves, 3.1, 0.8, options.color(CURVE_INK), "vertices", &mut plot)?;
@@ -77,7 +80,7 @@ impl Artist<'_> {
     fn control(&self, control: &[Curve], plot: &mut PlotItems) -> Result<(), FormatError> {
         let runs = self.easel.runs(control, self.watch)?;
         let stroke = self.stroke(1.5, self.options.control_color(POLYGON_INK));
-        plot.line(Item::lines("control", runs, stroke).titled("control polygon"), "control polygon")
+        plot.line(DrawingItem::lines("control", runs, stroke).titled("control polygon"), "control polygon")
     }
 
     fn comb(&self, curves: &[Curve], plot: &mut PlotItems) -> Result<(), FormatError> {
@@ -88,8 +91,8 @@ impl Artist<'_> {
             self.side_px,
             self.watch,
         )?;
-        plot.items.push(Item::lines("comb", comb.teeth, self.stroke(0.8, COMB)).titled("curvature comb"));
-        let ends = Item::lines("comb", comb.ends, self.stroke(1.4, COMB_ENDS));
+        plot.items.push(DrawingItem::lines("comb", comb.teeth, self.stroke(0.8, COMB)).titled("curvature comb"));
+        let ends = DrawingItem::lines("comb", comb.ends, self.stroke(1.4, COMB_ENDS));
         plot.line(ends.titled("curvature comb"), "curvature")
     }
 
@@ -102,7 +105,7 @@ impl Artist<'_> {
                 self.fill(curves, color, plot)?;
             }
             let runs = self.easel.runs(curves, self.watch)?;
-            return plot.line(Item::lines("curve", runs, stroke).titled("curve"), "curve");
+            return plot.line(DrawingItem::lines("curve", runs, stroke).titled("curve"), "curve");
         }
         for (curve, style) in curves.iter().zip(styles.iter().cycle()) {
             if let Some(color) = style.fill.or(self.options.values.color(FILL.name)) {
@@ -112,7 +115,7 @@ impl Artist<'_> {
         for (i, (curve, style)) in curves.iter().zip(styles.iter().cycle()).enumerate() {
             let Style { stroke, label, .. } = style;
             let runs = self.easel.runs(std::slice::from_ref(curve), self.watch)?;
-            let item = Item::lines("curve", runs, stroke.clone());
+            let item = DrawingItem::lines("curve", runs, stroke.clone());
             match label {
                 Some(label) if i < styles.len() => plot.line(
                     item.titled(Label::parse(label, FontWeight::Regular).map_err(FormatError::Unfit)?.text()),
@@ -130,7 +133,7 @@ impl Artist<'_> {
         for curve in curves.iter().filter(|curve| curve.closed && curve.dimension > 1) {
             outlines.push(self.easel.outline(curve, self.watch)?);
         }
-        plot.items.push(Item::new("fill", Mark::Areas(outlines, color)));
+        plot.items.push(DrawingItem::new("fill", Mark::Areas(outlines, color)));
         Ok(())
     }
 
@@ -153,7 +156,7 @@ impl Artist<'_> {
         let discs = Discs { centres, radius_px, ring_px, color, ring: RING };
         let title = if class == "points" { "control points" } else { "points of the curve" };
         plot.entry(LegendSample::Disc(Discs { centres: Vec::new(), ..discs.clone() }), title)?;
-        plot.items.push(Item::new(class, Mark::Discs(discs)).titled(title));
+        plot.items.push(DrawingItem::new(class, Mark::Discs(discs)).titled(title));
         Ok(())
     }
 }

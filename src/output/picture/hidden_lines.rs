@@ -8,7 +8,7 @@ mod parts;
 use rayon::prelude::*;
 
 use super::options::Options;
-use crate::drawing::{Cap, Color, Drawing, Item, Stroke};
+use crate::drawing::{Cap, Color, Drawing, DrawingItem, Stroke};
 use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::Counts;
@@ -131,7 +131,7 @@ pub(crate) fn drawing(
         let ground = HatchedSurface::of(scene, mesh, &found.hard, &camera, watch)?;
         let runs = ground.strokes(&sight, options.size, options.unit_px(), MAX_TESTED_PAIRS - pairs, watch)?;
         let stroke = artist.stroke(0.7, options.color(THIN_INK));
-        items.extend((!runs.is_empty()).then(|| Item::lines(HATCHING, runs, stroke).titled(HATCHING)));
+        items.extend((!runs.is_empty()).then(|| DrawingItem::lines(HATCHING, runs, stroke).titled(HATCHING)));
     }
     if options.shows("hidden", &[]) {
         items.push(artist.dashes());
@@ -152,7 +152,7 @@ struct EdgePainter<'a> {
 
 impl EdgePainter<'_> {
     /// Returns the visible parts of the lines of a class.
-    fn lines(&self, class: Class) -> Option<Item> {
+    fn lines(&self, class: Class) -> Option<DrawingItem> {
         let name = class.name();
         let (width, color) = match class {
             Class::Silhouette | Class::Boundary => (2.4, OUTLINE_INK),
@@ -164,18 +164,18 @@ impl EdgePainter<'_> {
         let pieces: Vec<_> = lines.flat_map(|(edge, hidden)| self.pieces(edge, rest(hidden))).collect();
         let stroke = self.stroke(width, self.options.color(color));
         let runs = chains(&pieces);
-        (!runs.is_empty()).then(|| Item::lines(name, runs, stroke).titled(name))
+        (!runs.is_empty()).then(|| DrawingItem::lines(name, runs, stroke).titled(name))
     }
 
     /// Returns the hidden parts of all lines but isolines and wireframe, as dashes.
-    fn dashes(&self) -> Item {
+    fn dashes(&self) -> DrawingItem {
         let lines = self.edges.iter().zip(self.hidden);
         let thick = lines.filter(|(edge, _)| !matches!(self.class(edge), Some(Class::Isoline | Class::Wireframe)));
         let pieces: Vec<_> = thick.flat_map(|(edge, hidden)| self.pieces(edge, hidden.clone())).collect();
         let solid = self.stroke(1.0, HIDDEN_INK);
         let unit = solid.width_px;
         let stroke = Stroke { dash: vec![4.0 * unit, 3.0 * unit], cap: Cap::Butt, ..solid };
-        Item::lines("hidden", chains(&pieces), stroke).titled("hidden lines")
+        DrawingItem::lines("hidden", chains(&pieces), stroke).titled("hidden lines")
     }
 
     fn class(&self, edge: &DrawnEdge) -> Option<Class> {

@@ -6,7 +6,7 @@ use super::meanings;
 use super::number_scale::{COLOR_BAR, NumberScale};
 use super::options::Options;
 use super::shading::{self, ShadedQuantity};
-use crate::drawing::{Color, Drawing, FontWeight, Item, Label, Legend, color_bar, pixels};
+use crate::drawing::{Color, Drawing, DrawingItem, FontWeight, Label, Legend, color_bar, pixels};
 use crate::math::parameter::Value;
 use crate::output::error::FormatError;
 use crate::shape::attachments::Attachments;
@@ -87,7 +87,7 @@ pub(super) fn beside(
 }
 
 /// Returns the colour bar of a scale in a strip of `width` pixels, below the uppermost `taken` pixels.
-fn bar(scale: NumberScale, [taken, width]: [f32; 2], carried: &Attachments, options: &Options<'_>) -> Vec<Item> {
+fn bar(scale: NumberScale, [taken, width]: [f32; 2], carried: &Attachments, options: &Options<'_>) -> Vec<DrawingItem> {
     let unit = font_px(options) / FONT_SIZES[0];
     #[expect(clippy::cast_precision_loss, reason = "pictures are bounded")]
     let height = options.size[1] as f32;

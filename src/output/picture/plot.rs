@@ -4,8 +4,8 @@ use super::easel::{Easel, PixelRect};
 use super::options::{COMB_SCALE, FILL, Options, POINT_SIZE};
 use super::styles::STYLES;
 use crate::drawing::{
-    Axes, Axis, Color, Drawing, FontWeight, Group, HorizontalAlign, Item, Label, Legend, LegendEntry, LegendSample,
-    Mark, Text, VerticalAlign,
+    Axes, Axis, Color, Drawing, DrawingItem, FontWeight, Group, HorizontalAlign, Label, Legend, LegendEntry,
+    LegendSample, Mark, Text, VerticalAlign,
 };
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Parameter, ParameterKind, Values};
@@ -116,13 +116,13 @@ const CURVES_ONLY: [&str; 9] = [
 /// The drawn items, and the entries of the legend for them.
 #[derive(Default)]
 pub(super) struct PlotItems {
-    pub(super) items: Vec<Item>,
+    pub(super) items: Vec<DrawingItem>,
     entries: Vec<LegendEntry>,
 }
 
 impl PlotItems {
     /// Adds lines and their entry in the legend.
-    pub(super) fn line(&mut self, item: Item, label: &str) -> Result<(), FormatError> {
+    pub(super) fn line(&mut self, item: DrawingItem, label: &str) -> Result<(), FormatError> {
         if let Mark::Lines(_, stroke) = &item.mark {
             self.entry(LegendSample::Line(stroke.clone()), label)?;
         }
@@ -200,7 +200,7 @@ impl PlotArea {
         let mut items = plot.items;
         if let Some(axes) = &self.axes {
             let group = Group { shift: [0.0; 2], scale: 1.0, clip: Some(self.part), items };
-            items = vec![axes.grid(), Item::new("plot", Mark::Group(group))];
+            items = vec![axes.grid(), DrawingItem::new("plot", Mark::Group(group))];
             items.extend(axes.items());
         }
         if options.shows("legend", &[]) {
@@ -213,12 +213,12 @@ impl PlotArea {
             let at = [0.5 * options.size[0] as f32, 1.5 * self.size_px];
             let (anchor, level) = (HorizontalAlign::Middle, VerticalAlign::Baseline);
             let text = Text { label, at, size_px: 1.1 * self.size_px, anchor, level, turn_deg: 0.0, color: TITLE_INK };
-            items.push(Item::new("title", Mark::Text(text)));
+            items.push(DrawingItem::new("title", Mark::Text(text)));
         }
         Drawing { size: options.size, background: options.background, title: spoken, items }
     }
 
-    fn legend(&self, entries: Vec<LegendEntry>, options: &Options<'_>) -> Vec<Item> {
+    fn legend(&self, entries: Vec<LegendEntry>, options: &Options<'_>) -> Vec<DrawingItem> {
         let legend = Legend { entries, size_px: self.size_px };
         let [width, height] = legend.extent();
         let [left, top, w, h] = self.part;

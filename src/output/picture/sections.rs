@@ -3,7 +3,7 @@
 use super::drawing::CURVE_INK;
 use super::easel::Easel;
 use super::options::Options;
-use crate::drawing::{Drawing, Item, Stroke};
+use crate::drawing::{Drawing, DrawingItem, Stroke};
 use crate::math::vector::{cross, dot, minus, unit};
 use crate::output::error::FormatError;
 use crate::output::positions::Positions;
@@ -37,7 +37,7 @@ pub(crate) fn drawing(
     let shown: Vec<&Curve> = drawn.iter().flatten().collect();
     let easel = Easel::new(&shown, View { target: None, ..options.view() }, options.size);
     let stroke = Stroke::solid(SECTION_WIDTH * options.unit_px(), options.color(CURVE_INK));
-    let item = |curves: &Vec<Curve>| Ok(Item::lines("section", easel.runs(curves, watch)?, stroke.clone()));
+    let item = |curves: &Vec<Curve>| Ok(DrawingItem::lines("section", easel.runs(curves, watch)?, stroke.clone()));
     let items = drawn.iter().map(item).collect::<Result<_, FormatError>>()?;
     Ok(Drawing {
         size: options.size,

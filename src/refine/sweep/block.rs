@@ -55,7 +55,7 @@ impl Block {
 }
 
 /// A consumer of the points of blocks.
-pub(super) trait Target<const W: usize> {
+pub(super) trait BlockReceiver<const W: usize> {
     /// Returns whether any point of a block with `cells` cells per side is needed.
     fn wants(&self, block: Block, cells: usize) -> bool;
 

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::block::{Block, Target};
+use super::block::{Block, BlockReceiver};
 use super::grid::{GridLine, GridSize, Planes, at_least};
 use super::lattice::{CornerFrame, axis, cell, corner, sector};
 use super::program::{Flat, Sweep};
@@ -144,7 +144,7 @@ impl<const W: usize> SweepRun<'_, W> {
         &self,
         patches: Range<usize>,
         worker: &mut Worker<W>,
-        target: &mut impl Target<W>,
+        target: &mut impl BlockReceiver<W>,
     ) -> Result<(), Stopped> {
         let surface = &self.sweep.surface;
         let mut rest = patches;
@@ -159,7 +159,12 @@ impl<const W: usize> SweepRun<'_, W> {
     }
 
     /// Refines a stack of patches, all turned alike.
-    fn stack(&self, patches: Range<usize>, worker: &mut Worker<W>, target: &mut impl Target<W>) -> Result<(), Stopped> {
+    fn stack(
+        &self,
+        patches: Range<usize>,
+        worker: &mut Worker<W>,
+        target: &mut impl BlockReceiver<W>,
+    ) -> Result<(), Stopped> {
         let sweep = self.sweep;
         let size = sweep.size(0, W);
         let len = patches.len() * size.len();
@@ -215,7 +220,7 @@ impl<const W: usize> SweepRun<'_, W> {
         round: usize,
         (block, grids): (Block, usize),
         worker: &mut Worker<W>,
-        target: &mut impl Target<W>,
+        target: &mut impl BlockReceiver<W>,
     ) -> Result<(), Stopped> {
         let sweep = self.sweep;
         let size = sweep.size(round, W);
@@ -264,7 +269,7 @@ impl<const W: usize> SweepRun<'_, W> {
         (woven, fine): (&[f64], GridSize),
         refined: Block,
         worker: &mut Worker<W>,
-        target: &mut impl Target<W>,
+        target: &mut impl BlockReceiver<W>,
     ) -> Result<(), Stopped> {
         let next = self.sweep.size(round + 1, W);
         let parts = if fine.cells == next.cells { 1 } else { 2 };

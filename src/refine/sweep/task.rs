@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::block::{Block, Target};
+use super::block::{Block, BlockReceiver};
 use super::grid::{GridSize, Planes};
 use super::lattice::CornerFrame;
 use super::program::Sweep;
@@ -70,7 +70,7 @@ impl Sweep {
     }
 }
 
-impl<const W: usize> Target<W> for PatchRun<'_, W> {
+impl<const W: usize> BlockReceiver<W> for PatchRun<'_, W> {
     fn wants(&self, _block: Block, _cells: usize) -> bool {
         true
     }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use super::block::{Block, Target};
+use super::block::{Block, BlockReceiver};
 use super::grid::{GridSize, Planes};
 use super::patches::{SweepRun, Worker};
 use super::places::{Span, SweepPlaces, spans};
@@ -198,7 +198,7 @@ impl GridWindow<'_> {
     }
 }
 
-impl Target<3> for GridWindow<'_> {
+impl BlockReceiver<3> for GridWindow<'_> {
     /// A block holds the points on all of its sides; a point between two blocks is taken from one of them.
     fn wants(&self, block: Block, cells: usize) -> bool {
         let pieces = self.pieces / block.pieces;

@@ -33,7 +33,7 @@ pub struct Incenter;
 
 impl Incenter {
     /// The fraction by which tangents are turned towards the circle.
-    pub const MU: Parameter = Parameter::number(
+    pub const CIRCLE_SHARE: Parameter = Parameter::number(
         "mu",
         [0.0, 1.0],
         Default::Number(0.25),
@@ -50,7 +50,7 @@ static FACTS: Facts = Facts {
     nets: Nets::Polygons("this scheme refines polygons"),
     role: Role::Upsample,
     children: Children::Vertices,
-    parameters: &[Incenter::MU],
+    parameters: &[Incenter::CIRCLE_SHARE],
     turns_tangents: true,
     ..Facts::USUAL
 };
@@ -65,7 +65,7 @@ impl Operator for Incenter {
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
-        let mu = values.settings.number(&Self::MU);
+        let mu = values.settings.number(&Self::CIRCLE_SHARE);
         let (landed, _) = net.land(Window::upsample(2))?;
         let map = Biarcs { closed: net.is_closed(), mu, pinned: net.pinned.clone() };
         let pinned = net.pinned.iter().map(|i| 2 * i).collect();

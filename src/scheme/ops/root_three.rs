@@ -13,12 +13,12 @@ use crate::scheme::sharpness::edges_at;
 use crate::scheme::stencil::RingMask;
 use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
-use crate::shape::root_three::BoundarySplit;
+use crate::shape::face_centre_split::BoundarySplit;
 use crate::shape::topology::{NONE, Topology, index};
 
 /// Kobbelt's sqrt 3 scheme for triangles: a vertex at the centroid of each face, every inner edge flipped, and the old
 /// inner vertices of valence n moved to `(1 - a) p + a/n sum neighbours`, `a = (4 - 2 cos(2 pi/n))/9` (order: see
-/// [`Topology::split_root_three`]).
+/// [`Topology::split_at_face_centres`]).
 ///
 /// Boundaries wait every first step and are cut in three every second one, by the ternary cubic B-spline:
 /// `(4, 19, 4)/27` for the old vertices, `(1, 16, 10)/27` and `(10, 16, 1)/27` for the new ones. Corners stay, and
@@ -75,7 +75,7 @@ impl Operator for RootThree {
             self.admits(net)?;
         }
         let (old, boundary) = (net.mesh.base.clone(), boundary(net.mesh.rounds));
-        let next = net.after_rebuild(old.split_root_three(boundary), net.tags.corners.to_vec());
+        let next = net.after_rebuild(old.split_at_face_centres(boundary), net.tags.corners.to_vec());
         let (n_v, n_f) = (old.n_vertices(), old.n_faces());
         let cut: Vec<u32> = match boundary {
             BoundarySplit::Whole => Vec::new(),

@@ -15,11 +15,11 @@ pub(super) const INCENTER: Preset = Preset {
           = 1/4. Uses the tangents of the input when given, those of circles through three points else; pinned ones \
           stay.",
     source: "after Deng and Wang, CAGD 27 (2010), 48-59; tangents as in Deng and Ma, CAGD 31 (2014), 656-673",
-    parameters: &[Incenter::MU],
+    parameters: &[Incenter::CIRCLE_SHARE],
     refines: Refines::Curves,
     claims: &[],
     spell: |values| {
         let mu = Value::Number(values.number("mu").unwrap_or(0.25));
-        Ok(Spelling::of(vec![Letter::plain(&Incenter).with(&Incenter::MU, mu)]))
+        Ok(Spelling::of(vec![Letter::plain(&Incenter).with(&Incenter::CIRCLE_SHARE, mu)]))
     },
 };

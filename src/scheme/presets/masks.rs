@@ -59,7 +59,7 @@ fn gcd(a: u128, b: u128) -> u128 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-pub(super) const MASK: Preset = Preset {
+pub(super) const ANY_MASK: Preset = Preset {
     name: "mask",
     doc: "Any linear scheme: q[j] = sum over i of a[j - d i] p[i] with arity d and the mask a. Schemes that converge \
           have entries that sum to 1 in each residue class modulo d.",

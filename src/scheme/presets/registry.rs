@@ -26,7 +26,7 @@ pub const PRESETS: &[&Preset] = &[
     &ternary::REHAN,
     &ternary::NOVARA,
     &incenter::INCENTER,
-    &masks::MASK,
+    &masks::ANY_MASK,
     &push_back::PUSH_BACK,
     &meshes::CATMULL_CLARK,
     &meshes::LOOP,

@@ -9,6 +9,6 @@ mod written;
 
 pub use begun::Begun;
 pub use layout::{BatchLayout, GridAxis, TemplatePiece};
-pub use record::{Batch, BatchRun, Ending, Item, NewBatch, ParsedBatch};
+pub use record::{Batch, BatchItem, BatchRun, Ending, NewBatch, ParsedBatch};
 pub use standing::{BatchStanding, PhaseCounts};
 pub use table::{Batches, ReadLayout};

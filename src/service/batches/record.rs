@@ -54,7 +54,7 @@ pub struct Ending {
 
 /// One job of a batch.
 #[derive(Debug, Clone, Default)]
-pub struct Item {
+pub struct BatchItem {
     /// The id of the job, once the job was read.
     pub job: Option<Key>,
     /// Whether all results existed before the batch requested them.
@@ -81,7 +81,7 @@ pub struct Batch {
     /// The state of the batch.
     pub state: JobState,
     /// The jobs of the batch.
-    pub items: Vec<Item>,
+    pub items: Vec<BatchItem>,
     /// Time at which the batch was begun, by the clock of the service.
     pub queued: Duration,
     /// Time at which the batch was settled.

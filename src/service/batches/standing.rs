@@ -82,7 +82,7 @@ fn progress(batch: &Batch, under_way: &[Option<Standing>]) -> f64 {
     if batch.state == JobState::Done {
         return 1.0;
     }
-    let share = |(item, standing): (&super::record::Item, &Option<Standing>)| match (&item.ending, standing) {
+    let share = |(item, standing): (&super::record::BatchItem, &Option<Standing>)| match (&item.ending, standing) {
         (Some(_), _) => 1.0,
         (None, Some(standing)) => standing.progress,
         (None, None) => 0.0,

@@ -8,7 +8,7 @@ use bytes::Bytes;
 use tokio::sync::watch;
 
 use super::layout::BatchLayout;
-use super::record::{Batch, BatchRun, Ending, Item, NewBatch, ParsedBatch};
+use super::record::{Batch, BatchItem, BatchRun, Ending, NewBatch, ParsedBatch};
 use super::written::{BatchRow, DecodedRow, KeptBatch, decode, encode, encode_item, is_of_batch};
 use crate::job::key::Key;
 use crate::service::account::Full;
@@ -231,12 +231,12 @@ impl Batches {
         Ok(Some(run))
     }
 
-    fn begun(&self, new: NewBatch, number: u64, (attempts, before): (u32, Vec<Item>), memory: Paid) -> Batch {
+    fn begun(&self, new: NewBatch, number: u64, (attempts, before): (u32, Vec<BatchItem>), memory: Paid) -> Batch {
         let NewBatch { batch, request, terms, peer, ticket } = new;
-        let is_done = |item: &Item| item.ending.as_ref().is_some_and(|ending| ending.state == JobState::Done);
-        let mut items: Vec<Item> =
-            before.into_iter().map(|item| if is_done(&item) { item } else { Item::default() }).collect();
-        items.resize(request.n(), Item::default());
+        let is_done = |item: &BatchItem| item.ending.as_ref().is_some_and(|ending| ending.state == JobState::Done);
+        let mut items: Vec<BatchItem> =
+            before.into_iter().map(|item| if is_done(&item) { item } else { BatchItem::default() }).collect();
+        items.resize(request.n(), BatchItem::default());
         Batch {
             batch,
             number,
@@ -261,7 +261,7 @@ impl Batches {
     /// When the batches cannot be read.
     pub fn recover(&self, memory: impl Fn(u64) -> Result<Paid, Full>) -> Result<Vec<BatchRun>, StoreError> {
         let Some(journal) = &self.journal else { return Ok(Vec::new()) };
-        let (mut kept, mut items) = (Vec::new(), HashMap::<JobKey, Vec<(usize, Item)>>::new());
+        let (mut kept, mut items) = (Vec::new(), HashMap::<JobKey, Vec<(usize, BatchItem)>>::new());
         journal.each(&mut |record| match is_of_batch(record).then(|| decode(record)) {
             Some(Some(DecodedRow::Batch(batch))) => kept.push(*batch),
             Some(Some(DecodedRow::Item { batch, at, item })) => items.entry(batch).or_default().push((at, item)),
@@ -292,10 +292,10 @@ impl Batches {
     }
 
     /// Restores a batch of an earlier process; an active batch gets a further attempt.
-    fn revived(&self, kept: KeptBatch, request: ParsedBatch, known: Vec<(usize, Item)>, memory: Paid) -> Batch {
+    fn revived(&self, kept: KeptBatch, request: ParsedBatch, known: Vec<(usize, BatchItem)>, memory: Paid) -> Batch {
         let KeptBatch { batch, number, attempts, terms, state, settled_s, n_outputs: _, text: _ } = kept;
         let (now, wall) = (self.clock.now(), self.clock.wall());
-        let mut items = vec![Item::default(); request.n()];
+        let mut items = vec![BatchItem::default(); request.n()];
         for (at, item) in known {
             if let Some(place) = items.get_mut(at) {
                 *place = item;
@@ -326,7 +326,7 @@ impl Batches {
         let mut table = self.table();
         let Some(item) = table.running(run).and_then(|batch| batch.items.get_mut(at)) else { return false };
         if item.job != Some(job) {
-            *item = Item { job: Some(job), is_hit, ending: None };
+            *item = BatchItem { job: Some(job), is_hit, ending: None };
         }
         drop(table);
         self.note_items(run.batch, [at]);

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use bytes::Bytes;
 
-use super::record::{Batch, Ending, Item};
+use super::record::{Batch, BatchItem, Ending};
 use crate::service::fields::{Fields, RecordWriter};
 use crate::service::job_key::{JobKey, JobTerms};
 use crate::service::jobs::{
@@ -47,7 +47,7 @@ impl RowKey for BatchRow {
 #[derive(Debug)]
 pub(super) enum DecodedRow {
     Batch(Box<KeptBatch>),
-    Item { batch: JobKey, at: usize, item: Item },
+    Item { batch: JobKey, at: usize, item: BatchItem },
 }
 
 /// A decoded batch.
@@ -79,7 +79,7 @@ pub(super) fn encode(batch: &Batch, settled: Option<Duration>) -> Vec<u8> {
 }
 
 /// Encodes an item.
-pub(super) fn encode_item(batch: &JobKey, at: u32, item: &Item) -> Vec<u8> {
+pub(super) fn encode_item(batch: &JobKey, at: u32, item: &BatchItem) -> Vec<u8> {
     let mut out = RecordWriter::new(ITEM_MAGIC, BATCH_VERSION, 256);
     out.field(tag::BATCH, &batch.to_bytes());
     let (number, reason) = item.ending.as_ref().map_or((0, ""), |ending| numbered(&ending.state));
@@ -121,5 +121,9 @@ fn decode_item(bytes: &[u8]) -> Option<DecodedRow> {
     let (products, made) = outputs(&mut fields)?;
     let outputs = products.into_iter().zip(made).collect();
     let ending = (state != JobState::Active).then(|| Arc::new(Ending { state, outputs }));
-    Some(DecodedRow::Item { batch, at: usize::try_from(at).ok()?, item: Item { job, is_hit: is_hit == 1, ending } })
+    Some(DecodedRow::Item {
+        batch,
+        at: usize::try_from(at).ok()?,
+        item: BatchItem { job, is_hit: is_hit == 1, ending },
+    })
 }

@@ -27,13 +27,13 @@ struct SharedQueue {
 
 #[derive(Debug, Default)]
 struct QueueState {
-    lanes: [Turns; 2],
+    lanes: [LaneQueue; 2],
     known: HashMap<JobKey, QueuedJob>,
 }
 
 /// The waiting jobs of a lane.
 #[derive(Debug, Default)]
-struct Turns {
+struct LaneQueue {
     /// By priority, the non-empty queues of clients in the order of their turns.
     lines: [VecDeque<(Peer, VecDeque<JobKey>)>; 2],
     taken: u64,
@@ -87,7 +87,7 @@ impl SharedQueue {
     }
 }
 
-impl Turns {
+impl LaneQueue {
     fn len(&self) -> usize {
         self.lines.iter().flatten().map(|(_, queue)| queue.len()).sum()
     }

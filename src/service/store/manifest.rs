@@ -107,35 +107,35 @@ const MANIFEST_VERSION: u32 = 1;
 
 /// Tags of the fields in their order; the warnings follow, each as a field of its own.
 mod tag {
-    pub(super) const KEY: u8 = 1;
-    pub(super) const MEDIA_TYPE: u8 = 2;
-    pub(super) const LENGTH: u8 = 3;
-    pub(super) const CONTENT: u8 = 4;
-    pub(super) const PARTS: u8 = 5;
-    pub(super) const BUILD: u8 = 6;
-    pub(super) const RESULTS_VERSION: u8 = 7;
-    pub(super) const WARNING: u8 = 8;
+    pub(super) const KEY_FIELD: u8 = 1;
+    pub(super) const MEDIA_TYPE_FIELD: u8 = 2;
+    pub(super) const LENGTH_FIELD: u8 = 3;
+    pub(super) const CONTENT_FIELD: u8 = 4;
+    pub(super) const PARTS_FIELD: u8 = 5;
+    pub(super) const BUILD_FIELD: u8 = 6;
+    pub(super) const RESULTS_VERSION_FIELD: u8 = 7;
+    pub(super) const WARNING_FIELD: u8 = 8;
     /// Omitted if the owners are the default, the tenant of all clients that do not identify themselves.
-    pub(super) const OWNERS: u8 = 9;
+    pub(super) const OWNERS_FIELD: u8 = 9;
 }
 
 impl Manifest {
     /// Encodes the manifest in its binary form.
     pub fn encode(&self) -> Vec<u8> {
         let mut out = RecordWriter::new(MANIFEST_MAGIC, MANIFEST_VERSION, 512 + self.parts.len() * 32);
-        out.field(tag::KEY, self.key.as_bytes());
-        out.field(tag::MEDIA_TYPE, self.media_type.as_bytes());
-        out.numbers(tag::LENGTH, &[self.length]);
-        out.field(tag::CONTENT, self.content.as_bytes());
-        out.hashes(tag::PARTS, &self.parts);
-        out.field(tag::BUILD, self.build.as_bytes());
-        out.field(tag::RESULTS_VERSION, &self.results_version.to_le_bytes());
+        out.field(tag::KEY_FIELD, self.key.as_bytes());
+        out.field(tag::MEDIA_TYPE_FIELD, self.media_type.as_bytes());
+        out.numbers(tag::LENGTH_FIELD, &[self.length]);
+        out.field(tag::CONTENT_FIELD, self.content.as_bytes());
+        out.hashes(tag::PARTS_FIELD, &self.parts);
+        out.field(tag::BUILD_FIELD, self.build.as_bytes());
+        out.field(tag::RESULTS_VERSION_FIELD, &self.results_version.to_le_bytes());
         if self.owners != Owners::default() {
             let numbers: Vec<u64> = self.owners.0.iter().map(|tenant| tenant.0).collect();
-            out.numbers(tag::OWNERS, &numbers);
+            out.numbers(tag::OWNERS_FIELD, &numbers);
         }
         for warning in &self.warnings {
-            out.field(tag::WARNING, warning.as_bytes());
+            out.field(tag::WARNING_FIELD, warning.as_bytes());
         }
         out.closed()
     }
@@ -143,24 +143,24 @@ impl Manifest {
     /// Decodes the binary form; returns `None` if it is damaged, of another version, or inconsistent.
     pub fn decode(bytes: &[u8]) -> Option<Self> {
         let mut fields = Fields::of(bytes, MANIFEST_MAGIC, MANIFEST_VERSION)?;
-        let key = fields.hash(tag::KEY)?;
-        let media_type = fields.text(tag::MEDIA_TYPE)?;
-        let length = u64::from_le_bytes(fields.fixed(tag::LENGTH)?);
-        let content = fields.hash(tag::CONTENT)?;
-        let parts = fields.hashes(tag::PARTS)?;
+        let key = fields.hash(tag::KEY_FIELD)?;
+        let media_type = fields.text(tag::MEDIA_TYPE_FIELD)?;
+        let length = u64::from_le_bytes(fields.fixed(tag::LENGTH_FIELD)?);
+        let content = fields.hash(tag::CONTENT_FIELD)?;
+        let parts = fields.hashes(tag::PARTS_FIELD)?;
         if parts.len() as u64 != length.div_ceil(PART_BYTES as u64) {
             return None;
         }
-        let build = fields.text(tag::BUILD)?;
-        let results_version = u32::from_le_bytes(fields.fixed(tag::RESULTS_VERSION)?);
-        let owners = if fields.is_next(tag::OWNERS) {
-            fields.numbers(tag::OWNERS)?.into_iter().map(Tenant).collect()
+        let build = fields.text(tag::BUILD_FIELD)?;
+        let results_version = u32::from_le_bytes(fields.fixed(tag::RESULTS_VERSION_FIELD)?);
+        let owners = if fields.is_next(tag::OWNERS_FIELD) {
+            fields.numbers(tag::OWNERS_FIELD)?.into_iter().map(Tenant).collect()
         } else {
             Owners::default()
         };
         let mut warnings = Vec::new();
         while !fields.is_empty() {
-            warnings.push(fields.text(tag::WARNING)?);
+            warnings.push(fields.text(tag::WARNING_FIELD)?);
         }
         Some(Self { key, media_type, length, content, parts, warnings, build, results_version, owners })
     }

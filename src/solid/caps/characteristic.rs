@@ -3,7 +3,7 @@
 
 use super::rings::Rings;
 use crate::math::functions::{cos, ratio, sin, sqrt};
-use crate::math::vector::{dot, minus};
+use crate::math::vector::{Complex, dot, minus};
 
 /// Number of refinements after which the net counts as the limit. The second eigenvalue of its block is less than 0.4
 /// times the first, so that 40 reach rounding errors; half as many leave 1e-8, twice as many change nothing.
@@ -38,14 +38,14 @@ pub fn decay(n: usize) -> f64 {
 }
 
 /// Returns the product of two plane vectors as complex numbers.
-pub(super) fn turned(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+pub(super) fn complex_product(a: Complex, b: Complex) -> Complex {
     [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
 }
 
 /// Extends sector 0 of a net to all sectors by rotation.
 fn symmetric(sector: &[[f64; 2]], n: usize) -> Vec<[f64; 2]> {
     let turns = (0..n).map(|s| [turn_cos(s, n), turn_sin(s, n)]);
-    let all = turns.flat_map(|turn| sector.iter().map(move |point| turned(turn, *point)));
+    let all = turns.flat_map(|turn| sector.iter().map(move |point| complex_product(turn, *point)));
     std::iter::once([0.0; 2]).chain(all).collect()
 }
 
@@ -59,7 +59,8 @@ pub(super) fn characteristic_net(n: usize) -> Rings<2> {
         let first = minus(refined[1], refined[0]);
         let square = dot(first, first);
         let back = [first[0] / square, -first[1] / square];
-        sector = refined[1..=sector.len()].iter().map(|point| turned(back, minus(*point, refined[0]))).collect();
+        sector =
+            refined[1..=sector.len()].iter().map(|point| complex_product(back, minus(*point, refined[0]))).collect();
     }
     Rings::of_two_ring(&symmetric(&sector, n))
 }

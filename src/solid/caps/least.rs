@@ -1,10 +1,8 @@
 //! Least squares for equations with rotational symmetry around a vertex, one frequency at a time.
 
-use super::characteristic::{turn_cos, turn_sin, turned};
+use super::characteristic::{complex_product, turn_cos, turn_sin};
 use crate::math::functions::{real, sqrt};
-
-/// A complex number.
-type Complex = [f64; 2];
+use crate::math::vector::Complex;
 
 /// Columns whose part orthogonal to the columns before them is less than this fraction of the greatest length are
 /// dropped. Dependent columns keep about 1e-15, the least independent one of all valences 9e-3. Twice or half of it
@@ -26,7 +24,7 @@ pub(super) fn least_squares<const A: usize, const Q: usize>(
         for (s, x) in x.iter_mut().enumerate() {
             let wave = [turn_cos(m * s, n), turn_sin(m * s, n)];
             for (x, best) in x.iter_mut().flatten().zip(best.iter().flatten()) {
-                *x += share * turned(wave, *best)[0];
+                *x += share * complex_product(wave, *best)[0];
             }
         }
     }
@@ -55,7 +53,7 @@ fn product(a: &[Complex], b: &[Complex]) -> Complex {
 
 fn without(column: &mut [Complex], factor: Complex, other: &[Complex]) {
     for (x, y) in column.iter_mut().zip(other) {
-        let part = turned(factor, *y);
+        let part = complex_product(factor, *y);
         *x = [x[0] - part[0], x[1] - part[1]];
     }
 }
@@ -87,7 +85,7 @@ fn best<const A: usize, const Q: usize>(a: &[Vec<Complex>], b: &[Vec<Complex>]) 
         for i in (0..A).rev().filter(|i| lengths[*i] > 0.0) {
             x[i][q] = parts[i].map(|part| part / lengths[i]);
             for (part, row) in parts.iter_mut().zip(&upper).take(i) {
-                let known = turned(row[i], x[i][q]);
+                let known = complex_product(row[i], x[i][q]);
                 *part = [part[0] - known[0], part[1] - known[1]];
             }
         }

@@ -1,7 +1,7 @@
 //! Lower and upper bounds of the factor by which patches stretch distances.
 
 use super::bezier::{BezierNet, restriction};
-use super::characteristic::turned;
+use super::characteristic::complex_product;
 use super::join::SectorPatch;
 use crate::math::functions::{real, sqrt};
 use crate::math::vector::{dot, minus, plus, times};
@@ -52,7 +52,7 @@ impl Slopes<2> {
     /// quotient: `(a - b) (X(a) - X(b)) = integral of (a - b) DX (a - b)`.
     pub(super) fn least(&self, turn: [f64; 2]) -> f64 {
         let eigenvalue = |(u, v)| {
-            let [u, v] = [u, v].map(|slope| turned(turn, slope));
+            let [u, v] = [u, v].map(|slope| complex_product(turn, slope));
             let (sum, difference, off) = (u[0] + v[1], u[0] - v[1], v[0] + u[1]);
             (sum - sqrt(difference * difference + off * off)) / 2.0
         };

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::boxes::BoxTree;
 use super::patch::{BezierPatch, NearestPlace};
-use super::pieces::{IrregularFace, LeafRing, MAX_END_RINGS, Square, SurfacePart, SurfaceParts};
+use super::pieces::{ExtraordinaryFace, LeafRing, MAX_END_RINGS, Square, SurfacePart, SurfaceParts};
 use super::place::Place;
 use crate::math::vector::{Vector, length, minus};
 use crate::scheme::plan::Plan;
@@ -96,7 +96,7 @@ impl Best {
 
 /// An end with the rings made so far.
 struct EndRings<'a> {
-    end: IrregularFace,
+    end: ExtraordinaryFace,
     made: Vec<LeafRing>,
     refiner: &'a Refiner<'a>,
 }

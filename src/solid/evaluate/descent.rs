@@ -13,7 +13,7 @@ use crate::solid::error::SolidError;
 use crate::solid::level::{Level, Refiner};
 use crate::watch::Watch;
 
-/// Number of levels after which every face is bicubic or has a single irregular vertex: ten for the largest finite
+/// Number of levels after which every face is bicubic or has a single extraordinary vertex: ten for the largest finite
 /// sharpness, one for faces that are not quads, and one to separate vertices.
 const SEPARATING_LEVELS: u32 = 12;
 
@@ -112,14 +112,14 @@ fn first(mesh: &Mesh, places: &[Place]) -> (Vec<LevelFace>, Vec<SplitFace>) {
 }
 
 impl Level {
-    /// Evaluates a face that is bicubic or has a single irregular vertex.
+    /// Evaluates a face that is bicubic or has a single extraordinary vertex.
     fn looked_at(&self, cell: LevelFace, refiner: &Refiner<'_>) -> Result<CellOutcome, SolidError> {
         if self.is_leaf(cell.face) {
             let net = self.net(self.topology.half_edges(cell.face as usize).start);
             let value = |query: &Query| (query.number, Jet::of(&net, cell.scale, query.uv));
             return Ok(CellOutcome::Found(cell.queries.iter().map(value).collect()));
         }
-        match self.lone_irregular(cell.face) {
+        match self.lone_extraordinary(cell.face) {
             Some(half_edge) => isolated(self, half_edge, cell.scale, cell.queries, refiner).map(CellOutcome::Found),
             None => Ok(CellOutcome::Split(cell)),
         }

@@ -1,4 +1,4 @@
-//! Evaluates places in a face with one irregular vertex, in the rings of bicubic pieces around it.
+//! Evaluates places in a face with one extraordinary vertex, in the rings of bicubic pieces around it.
 //!
 //! Source: J. Stam, SIGGRAPH 1998, 395-404 (the rings; here they are refined, which works for every kind of vertex).
 
@@ -46,7 +46,7 @@ pub(super) struct IsolatedFace {
 }
 
 impl IsolatedFace {
-    /// Creates the rings in the face of a half-edge that starts at its only irregular vertex; its parameters run
+    /// Creates the rings in the face of a half-edge that starts at its only extraordinary vertex; its parameters run
     /// `scale` times as fast as those of the input face.
     ///
     /// # Errors
@@ -136,7 +136,7 @@ impl IsolatedFace {
 
 const UNIT_AXES: [Vector; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// Returns the values at places in the face of a half-edge that starts at its only irregular vertex.
+/// Returns the values at places in the face of a half-edge that starts at its only extraordinary vertex.
 ///
 /// # Errors
 /// If the watch says stop.

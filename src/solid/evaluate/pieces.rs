@@ -1,4 +1,4 @@
-//! The limit surface as Bezier pieces, and ends: faces at irregular vertices, whose pieces are made on demand.
+//! The limit surface as Bezier pieces, and ends: faces at extraordinary vertices, whose pieces are made on demand.
 
 use super::boxes::BoundingBox;
 use super::isolated::{IsolatedFace, QUADRANTS, VERTEX_RINGS};
@@ -46,13 +46,13 @@ impl Square {
 pub(super) enum SurfacePart {
     /// A bicubic piece.
     Leaf(Box<BezierPatch>),
-    /// A face with an irregular vertex.
-    End(Box<IrregularFace>),
+    /// A face with an extraordinary vertex.
+    End(Box<ExtraordinaryFace>),
 }
 
-/// A face with an irregular vertex, starting at some ring.
+/// A face with an extraordinary vertex, starting at some ring.
 #[derive(Debug, Clone)]
-pub(super) struct IrregularFace {
+pub(super) struct ExtraordinaryFace {
     rings: IsolatedFace,
     square: Square,
     /// The parameters and the limit of the vertex.
@@ -69,7 +69,7 @@ pub(super) struct LeafRing {
     pub(super) rest: BoundingBox,
 }
 
-impl IrregularFace {
+impl ExtraordinaryFace {
     /// Returns the pieces of the next ring.
     ///
     /// # Errors
@@ -84,7 +84,7 @@ impl IrregularFace {
         Ok(LeafRing { patches, rest: self.bounds() })
     }
 
-    /// Creates the end of the face of a half-edge that starts at its only irregular vertex.
+    /// Creates the end of the face of a half-edge that starts at its only extraordinary vertex.
     fn of(level: &Level, half_edge: u32, square: Square) -> Result<Self, SolidError> {
         let rings = IsolatedFace::of(level, half_edge, 1.0)?;
         let at = bezier(&level.net(half_edge))[3][3];
@@ -138,15 +138,15 @@ impl SurfaceParts {
         Ok(parts)
     }
 
-    /// Takes a face that is bicubic or has a single irregular vertex; returns whether it is one.
+    /// Takes a face that is bicubic or has a single extraordinary vertex; returns whether it is one.
     fn take(&mut self, level: &Level, face: u32, square: Square) -> Result<bool, SolidError> {
         let (part, bounds) = if level.is_leaf(face) {
             let half_edge = level.topology.half_edges(face as usize).start;
             let patch = square.patch(level, half_edge, [0.0; 3]);
             let bounds = BoundingBox::of(patch.net.iter().flatten().copied());
             (SurfacePart::Leaf(Box::new(patch)), bounds)
-        } else if let Some(half_edge) = level.lone_irregular(face) {
-            let end = IrregularFace::of(level, half_edge, square)?;
+        } else if let Some(half_edge) = level.lone_extraordinary(face) {
+            let end = ExtraordinaryFace::of(level, half_edge, square)?;
             let bounds = end.bounds();
             (SurfacePart::End(Box::new(end)), bounds)
         } else {

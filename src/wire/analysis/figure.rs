@@ -5,7 +5,7 @@ mod plot;
 
 use super::markdown::number;
 use super::{AnalysisAnswer, ScanAnswer, SchemeAnswer, SmoothnessAnswer, ValuesAnswer};
-use crate::drawing::{Drawing, FontWeight, HorizontalAlign, Item, Label, Mark, Text, VerticalAlign};
+use crate::drawing::{Drawing, DrawingItem, FontWeight, HorizontalAlign, Label, Mark, Text, VerticalAlign};
 use crate::wire::surface_analysis::{NetAnswer, SurfaceAnswer};
 use crate::wire::tube_analysis::TubeAnswer;
 use plot::{DISPROVED_COLOR, FUNCTION_COLOR, PROVED_COLOR, Plot, TEXT_INK, band, circle, dots, line, stems};
@@ -60,11 +60,11 @@ fn page(title: &str, lines: &[String], plots: Vec<Plot>, columns: u16) -> Drawin
     Drawing { size, background: [255; 4], title: title.to_owned(), items }
 }
 
-fn text(says: &str, at: [f32; 2], size_px: f32, weight: FontWeight) -> Item {
+fn text(says: &str, at: [f32; 2], size_px: f32, weight: FontWeight) -> DrawingItem {
     // the texts are names and numbers; a text that cannot be set is left empty
     let label = Label::plain(says, weight).or_else(|_| Label::plain("", weight)).expect("an empty text can be set");
     let (anchor, level) = (HorizontalAlign::Start, VerticalAlign::Baseline);
-    Item::new("label", Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color: TEXT_INK }))
+    DrawingItem::new("label", Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color: TEXT_INK }))
 }
 
 fn of_scheme(scheme: &SchemeAnswer, title: &str) -> Drawing {

@@ -5,7 +5,7 @@ use utoipa::ToSchema;
 
 use crate::analysis::matrices::{Matrix, StepMatrices, StepMatrix};
 use crate::analysis::smoothness::Powers;
-use crate::job::{FoundMatrices, MatricesWish};
+use crate::job::{FoundMatrices, RequestedMatrices};
 use crate::math::exact::Exact;
 use crate::scheme::operator::Role;
 
@@ -35,14 +35,14 @@ pub struct SmallPolygon {
 }
 
 impl MatricesRequest {
-    pub(super) fn resolve(self) -> Option<MatricesWish> {
+    pub(super) fn resolve(self) -> Option<RequestedMatrices> {
         let (points, closed, powers) = match self {
             Self::Asked(false) => return None,
             Self::Asked(true) => (None, None, None),
             Self::Of(SmallPolygon { points, closed, powers }) => (points, closed, powers),
         };
         let (points, powers) = (points.unwrap_or(5), powers.unwrap_or(3));
-        Some(MatricesWish { points, closed: closed.unwrap_or(true), powers })
+        Some(RequestedMatrices { points, closed: closed.unwrap_or(true), powers })
     }
 }
 

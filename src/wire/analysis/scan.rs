@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::analysis::scan::{Interval, Scan, ScanResult, ScanRow, Scanned};
-use crate::job::ScanWish;
+use crate::job::RequestedScan;
 use crate::math::exact::{Exact, rounded};
 use crate::wire::literal::WireLiteral;
 use crate::wire::schema;
@@ -32,9 +32,9 @@ const DEFAULT_STEPS: u32 = 100;
 
 impl ScanRequest {
     /// Converts the scan, which is then checked against its plan.
-    pub(super) fn resolve(self) -> ScanWish {
+    pub(super) fn resolve(self) -> RequestedScan {
         let Self { parameter, from, to, steps } = self;
-        ScanWish { parameter, from: from.0, to: to.0, steps: steps.unwrap_or(DEFAULT_STEPS) }
+        RequestedScan { parameter, from: from.0, to: to.0, steps: steps.unwrap_or(DEFAULT_STEPS) }
     }
 }
 

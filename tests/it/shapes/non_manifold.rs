@@ -145,7 +145,7 @@ proptest! {
             let n_cut = mesh.topology.n_vertices();
             let checked = Topology::of_faces(n_cut, list(&found), Winding::Refuse);
             let checked = checked.expect("the pieces are manifolds");
-            prop_assert!(checked.split_from.is_empty() && checked.turned.is_empty());
+            prop_assert!(checked.split_from.is_empty() && checked.reversed.is_empty());
             prop_assert_eq!(&checked.topology, &*mesh.topology);
             let again = cut(n_cut, &found, winding);
             prop_assert!(again.repairs.is_empty() && again.topology == mesh.topology);

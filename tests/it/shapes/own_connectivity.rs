@@ -2,7 +2,7 @@
 //! the documented order.
 
 use planish::shape::check::{FaceList, Winding};
-use planish::shape::root_three::BoundarySplit;
+use planish::shape::face_centre_split::BoundarySplit;
 use planish::shape::topology::{NONE, Topology};
 use proptest::prelude::*;
 
@@ -97,9 +97,9 @@ fn cutting_a_tetrahedron_gives_the_documented_order() {
 #[test]
 fn splitting_a_triangle_gives_the_documented_order() {
     let triangle = topology(&Net { positions: vec![[0.0; 3]; 3], faces: vec![vec![0, 1, 2]] });
-    let once = triangle.split_root_three(BoundarySplit::Whole);
+    let once = triangle.split_at_face_centres(BoundarySplit::Whole);
     assert_eq!(faces(&once), [[0, 1, 3], [1, 2, 3], [2, 0, 3]]);
-    let twice = once.split_root_three(BoundarySplit::Thirds);
+    let twice = once.split_at_face_centres(BoundarySplit::Thirds);
     // 4, 5, 6 next to the starts of the edges 0-1, 1-2, 2-0, then 7, 8, 9 next to their ends
     let expected = [[4, 7, 3], [1, 5, 7], [3, 9, 4], [5, 8, 3], [2, 6, 8], [3, 7, 5], [6, 9, 3], [0, 4, 9], [3, 8, 6]];
     assert_eq!(faces(&twice), expected);
@@ -132,7 +132,7 @@ proptest! {
         let mut split = start.clone();
         for boundary in [BoundarySplit::Whole, BoundarySplit::Thirds, BoundarySplit::Whole, BoundarySplit::Thirds] {
             let before = split.n_boundary();
-            split = split.split_root_three(boundary);
+            split = split.split_at_face_centres(boundary);
             check(&split)?;
             prop_assert_eq!(euler(&split), euler(&start));
             prop_assert_eq!(split.n_boundary(), if boundary == BoundarySplit::Whole { before } else { 3 * before });

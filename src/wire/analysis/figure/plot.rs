@@ -1,6 +1,6 @@
 //! One plot of a figure: axes, and the marks between them.
 
-use crate::drawing::{Axes, Axis, Color, Discs, FontWeight, Group, Item, Label, Mark as Drawn, Point, Stroke};
+use crate::drawing::{Axes, Axis, Color, Discs, DrawingItem, FontWeight, Group, Label, Mark as Drawn, Point, Stroke};
 
 /// Colour of text.
 pub(super) const TEXT_INK: Color = [15, 23, 42, 255];
@@ -97,7 +97,7 @@ impl Plot {
     }
 
     /// Returns the drawing of the plot in a rectangle: left, top, width, height.
-    pub(super) fn items(&self, [left, top, width, height]: [f32; 4], size_px: f32) -> Vec<Item> {
+    pub(super) fn items(&self, [left, top, width, height]: [f32; 4], size_px: f32) -> Vec<DrawingItem> {
         let axis = |k: usize| {
             let [low, high] = self.range[k];
             let label = Label::plain(&self.names[k], FontWeight::Regular).ok().filter(|label| !label.is_empty());
@@ -117,30 +117,33 @@ impl Plot {
         let axes = Axes { frame, x, y, grid: true, size_px };
         let inside = self.marks.iter().flat_map(|marks| marks.items(&axes)).collect();
         let group = Group { shift: [0.0, 0.0], scale: 1.0, clip: Some(frame), items: inside };
-        let plot = Item::new("plot", Drawn::Group(group));
+        let plot = DrawingItem::new("plot", Drawn::Group(group));
         [axes.grid(), plot].into_iter().chain(axes.items()).collect()
     }
 }
 
 impl Marks {
-    fn items(&self, axes: &Axes) -> Vec<Item> {
+    fn items(&self, axes: &Axes) -> Vec<DrawingItem> {
         let places: Vec<Point> = self.points.iter().map(|p| axes.place(*p)).collect();
         match self.kind {
             _ if places.is_empty() => Vec::new(),
-            MarkKind::Line => vec![Item::lines("line", vec![places], Stroke::solid(2.0, self.color))],
-            MarkKind::Guide => vec![Item::lines("guide", vec![places], Stroke::solid(1.0, self.color))],
-            MarkKind::Area => vec![Item::new("band", Drawn::Areas(vec![places], self.color))],
+            MarkKind::Line => vec![DrawingItem::lines("line", vec![places], Stroke::solid(2.0, self.color))],
+            MarkKind::Guide => vec![DrawingItem::lines("guide", vec![places], Stroke::solid(1.0, self.color))],
+            MarkKind::Area => vec![DrawingItem::new("band", Drawn::Areas(vec![places], self.color))],
             MarkKind::Dots => vec![self.discs(places)],
             MarkKind::Stems => {
                 let foot = |p: &[f64; 2]| axes.place([p[0], 0.0]);
                 let stems = self.points.iter().zip(&places).map(|(p, place)| vec![foot(p), *place]).collect();
-                vec![Item::lines("stem", stems, Stroke::solid(1.5, self.color)), self.discs(places)]
+                vec![DrawingItem::lines("stem", stems, Stroke::solid(1.5, self.color)), self.discs(places)]
             }
         }
     }
 
-    fn discs(&self, centres: Vec<Point>) -> Item {
+    fn discs(&self, centres: Vec<Point>) -> DrawingItem {
         let (radius_px, ring_px) = (4.0, 0.0);
-        Item::new("point", Drawn::Discs(Discs { centres, radius_px, ring_px, color: self.color, ring: self.color }))
+        DrawingItem::new(
+            "point",
+            Drawn::Discs(Discs { centres, radius_px, ring_px, color: self.color, ring: self.color }),
+        )
     }
 }

@@ -1,4 +1,4 @@
-//! The connectivity of the sqrt 3 split of triangles: a new vertex in each face, and every inner edge flipped; in
+//! The connectivity of the split of triangles at their centres: a new vertex in each face, every inner edge flipped; in
 //! closed form and in parallel.
 //!
 //! Order. Vertices: the old ones, then one for each face, in its order; where boundary edges are cut in three, the
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::topology::{FaceLayout, NONE, SERIAL_LOOP, Topology, index};
 
-/// How a sqrt 3 split treats boundary edges.
+/// How a split at face centres treats boundary edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoundarySplit {
     /// Boundary edges stay whole: the first of two steps.
@@ -21,10 +21,10 @@ pub enum BoundarySplit {
 }
 
 impl Topology {
-    /// The topology after a sqrt 3 split of triangles; see the order above.
+    /// The topology after a split of triangles at their centres; see the order above.
     #[must_use]
-    pub fn split_root_three(&self, boundary: BoundarySplit) -> Self {
-        let split = RootThreeSplit::of(self, boundary);
+    pub fn split_at_face_centres(&self, boundary: BoundarySplit) -> Self {
+        let split = FaceCentreSplit::of(self, boundary);
         let n_c = self.n_half_edges();
         let mut vertices = vec![0; 3 * n_c];
         let mut edge_of = vec![0; 3 * n_c];
@@ -45,14 +45,14 @@ impl Topology {
 }
 
 /// One split: the topology before it, and the boundary half-edges whose edges are cut.
-struct RootThreeSplit<'a> {
+struct FaceCentreSplit<'a> {
     old: &'a Topology,
     boundary: BoundarySplit,
     /// The half-edges of the boundary edges that are cut, by edge.
     cut: Vec<u32>,
 }
 
-impl<'a> RootThreeSplit<'a> {
+impl<'a> FaceCentreSplit<'a> {
     fn of(old: &'a Topology, boundary: BoundarySplit) -> Self {
         let cut = match boundary {
             BoundarySplit::Whole => Vec::new(),
