@@ -63,7 +63,7 @@ pub(crate) fn measure(table: &mut Table) {
     let [from, to] = ["0", "1/60"].map(|text| Literal::Text(text.into()));
     let scan = RequestedScan { parameter: "eta".into(), from, to, steps: 200 };
     let time = ms(best(|| {
-        answered("ternary-c4", &[], &RequestedFindings { scan: Some(scan.clone()), ..RequestedFindings::default() })
+        answered("ternary-c4", &[], &RequestedFindings { scan: Some(scan.clone()), ..RequestedFindings::default() });
     }));
     let ratio = format!("{:.1} times cubic-b-spline", time / first.unwrap_or(time));
     table.add("analysis ternary-c4, 200 steps of eta", (time, "ms"), &ratio, Aim::None, "201 values and bisection");
