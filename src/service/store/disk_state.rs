@@ -8,6 +8,7 @@ use std::{io, thread};
 
 use bytes::Bytes;
 
+use super::clean_up::{CleanUp, clean_up};
 use super::disk::Disk;
 use super::error::StoreError;
 use super::files::{StoreFolder, Tmp, cost};
@@ -15,7 +16,6 @@ use super::index::StoreIndex;
 use super::interface::Usage;
 use super::manifest::Manifest;
 use super::shelf::{self, Shelf};
-use super::sweep::{self, StoreSweep};
 use crate::job::key::Key;
 use crate::service::lock::lock;
 
@@ -44,13 +44,13 @@ pub(super) struct DiskState {
 /// most recently used.
 fn fill(
     folder: &StoreFolder,
-    swept: StoreSweep,
+    cleaned: CleanUp,
     uses: &HashMap<Key, u64>,
     capacity: u64,
 ) -> Result<Shelf<Arc<Manifest>>, StoreError> {
     let mut shelf = Shelf::new(capacity);
-    shelf.count_damaged(swept.damaged);
-    let mut found = swept.found;
+    shelf.count_damaged(cleaned.damaged);
+    let mut found = cleaned.found;
     found.sort_by_cached_key(|found| {
         let key = found.manifest.key;
         (uses.get(&key).copied().unwrap_or(u64::MAX), found.written, key)
@@ -73,13 +73,13 @@ impl DiskState {
     /// Opens the folder, removes what a crash left behind, and evicts artifacts beyond the capacity.
     pub(super) fn open(disk: Arc<dyn Disk>, dir: &Path, capacity_bytes: u64) -> Result<Self, StoreError> {
         let folder = StoreFolder::open(dir, disk)?;
-        let mut swept = sweep::sweep(&folder)?;
-        if swept.damaged + swept.removed > 0 {
-            tracing::warn!(dir = %dir.display(), damaged = swept.damaged, left_over = swept.removed, "swept the store");
+        let mut cleaned = clean_up(&folder)?;
+        if cleaned.damaged + cleaned.removed > 0 {
+            tracing::warn!(dir = %dir.display(), damaged = cleaned.damaged, left_over = cleaned.removed, "swept the store");
         }
         let (index, uses) = StoreIndex::open(folder.index());
-        let occupied = Mutex::new(std::mem::take(&mut swept.occupied));
-        let shelf = Mutex::new(fill(&folder, swept, &uses, capacity_bytes)?);
+        let occupied = Mutex::new(std::mem::take(&mut cleaned.occupied));
+        let shelf = Mutex::new(fill(&folder, cleaned, &uses, capacity_bytes)?);
         let state = Self { folder, capacity: capacity_bytes, shelf, index: Mutex::new(index), occupied };
         state.write_index(&mut lock(&state.index));
         Ok(state)

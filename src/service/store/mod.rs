@@ -1,6 +1,7 @@
 //! Stores of artifacts: bytes under keys, split into parts whose hashes are verified on reading.
 
 mod calls;
+mod clean_up;
 mod database;
 mod disk;
 mod disk_files;
@@ -23,7 +24,6 @@ mod shared;
 mod shared_spool;
 mod shared_state;
 mod shelf;
-mod sweep;
 
 pub use disk::{Disk, LocalDisk};
 pub use embedded::Embedded;

@@ -183,7 +183,7 @@ cache poisoning: Bytes that change on disk, or come from a version with other re
 - a_flipped_bit_is_never_served
 - a_flipped_bit_is_recomputed_and_never_served
 - a_truncated_or_missing_file_is_noticed_when_read
-- artifacts_of_another_results_version_are_swept
+- artifacts_of_another_results_version_are_removed
 - a_lie_under_a_good_checksum_never_panics
 hash ambiguity: Two jobs whose encodings are the same bytes.
 - different_items_have_different_encodings
@@ -202,7 +202,7 @@ disk full: A write that fails for want of room.
 - m6_a_full_disk_is_told_until_a_write_succeeds
 kill -9: The end of the process at any moment of a write.
 - whatever_moment_it_is_killed_a_named_artifact_stays_and_none_is_wrong
-- the_sweep_removes_left_overs_and_nothing_else
+- opening_removes_left_overs_and_nothing_else
 - an_index_that_is_gone_or_garbage_is_made_anew
 - whatever_moment_it_is_killed_no_accepted_job_is_lost_and_no_byte_is_wrong
 - an_accepted_batch_is_finished_by_the_next_process_and_what_is_done_is_not_done_again

@@ -86,7 +86,7 @@ fn whatever_moment_it_is_killed_a_named_artifact_stays_and_none_is_wrong() {
         named.extend(new);
 
         let store = Embedded::open(&scratch.0, CAPACITY).unwrap();
-        assert_eq!(n_files(&scratch.0.join("tmp")), 0, "left-overs are swept");
+        assert_eq!(n_files(&scratch.0.join("tmp")), 0, "left-overs are removed");
         let mut found = Vec::new();
         for number in (0..=round).flat_map(|round| round * NUMBERS_A_ROUND..round * NUMBERS_A_ROUND + 1000) {
             if store.manifest(&key(number)).unwrap().is_some() {

@@ -95,7 +95,7 @@ fn a_truncated_or_missing_file_is_noticed_when_read() {
 }
 
 #[test]
-fn the_sweep_removes_damaged_artifacts() {
+fn opening_removes_damaged_artifacts() {
     let scratch = Scratch::new();
     let store = scratch.open(ROOMY);
     (0..6).for_each(|number| drop(put(&store, number, &noise(number, 5000))));
@@ -113,7 +113,7 @@ fn the_sweep_removes_damaged_artifacts() {
 }
 
 #[test]
-fn the_sweep_removes_left_overs_and_nothing_else() {
+fn opening_removes_left_overs_and_nothing_else() {
     let scratch = Scratch::new();
     let store = scratch.open(ROOMY);
     (0..3).for_each(|number| drop(put(&store, number, &noise(number, 5000))));
@@ -134,7 +134,7 @@ fn the_sweep_removes_left_overs_and_nothing_else() {
 }
 
 #[test]
-fn artifacts_of_another_results_version_are_swept() {
+fn artifacts_of_another_results_version_are_removed() {
     let scratch = Scratch::new();
     let store = scratch.open(ROOMY);
     (0..2).for_each(|number| drop(put(&store, number, &noise(number, 5000))));

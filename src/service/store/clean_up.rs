@@ -15,9 +15,9 @@ use crate::job::key::{Key, RESULTS_VERSION};
 /// foreign; half of it would still hold the parts of one tebibyte.
 const MAX_MANIFEST_FILE_BYTES: u64 = 64 << 20;
 
-/// The result of a sweep.
+/// The result of cleaning the folder of the store up.
 #[derive(Debug, Default)]
-pub(super) struct StoreSweep {
+pub(super) struct CleanUp {
     /// The complete artifacts, in no order.
     pub(super) found: Vec<WholeArtifact>,
     /// Number of artifacts removed because their manifest or their length was wrong.
@@ -37,24 +37,25 @@ pub(super) struct WholeArtifact {
     pub(super) written: SystemTime,
 }
 
-/// Sweeps the folder. Files whose names the store does not use are left alone.
-pub(super) fn sweep(folder: &StoreFolder) -> io::Result<StoreSweep> {
-    let mut swept = StoreSweep::default();
+/// Removes incomplete and damaged artifacts, those of another results version, and temporary files; returns the rest.
+/// Files whose names the store does not use are left alone.
+pub(super) fn clean_up(folder: &StoreFolder) -> io::Result<CleanUp> {
+    let mut cleaned = CleanUp::default();
     for entry in entries(&folder.tmp())? {
         if name(&entry).is_some_and(|name| files::is_tmp_name(&name)) && !entry.path().is_dir() {
             remove_file(&entry.path())?;
-            swept.removed += 1;
+            cleaned.removed += 1;
         }
     }
     for shard in entries(&folder.artifacts())? {
         if let Some(name) = name(&shard).filter(|_| shard.path().is_dir()) {
-            sweep_shard(folder, &name, &mut swept)?;
+            clean_shard(folder, &name, &mut cleaned)?;
         }
     }
-    Ok(swept)
+    Ok(cleaned)
 }
 
-fn sweep_shard(folder: &StoreFolder, shard: &str, swept: &mut StoreSweep) -> io::Result<()> {
+fn clean_shard(folder: &StoreFolder, shard: &str, cleaned: &mut CleanUp) -> io::Result<()> {
     let mut lengths = HashMap::new();
     let mut manifests = Vec::new();
     for entry in entries(&folder.artifacts().join(shard))? {
@@ -64,7 +65,7 @@ fn sweep_shard(folder: &StoreFolder, shard: &str, swept: &mut StoreSweep) -> io:
         let metadata = entry.metadata().ok().filter(Metadata::is_file);
         let (Some(key), Some(metadata)) = (key, metadata) else {
             tracing::warn!(path = %entry.path().display(), "not a file of the store; left alone");
-            swept.occupied.extend(key);
+            cleaned.occupied.extend(key);
             continue;
         };
         if record.is_some() {
@@ -78,18 +79,18 @@ fn sweep_shard(folder: &StoreFolder, shard: &str, swept: &mut StoreSweep) -> io:
         match judge(folder, &key, lengths.get(&key).copied()) {
             ArtifactCondition::Whole(manifest) => {
                 lengths.remove(&key);
-                swept.found.push(WholeArtifact { manifest, written });
+                cleaned.found.push(WholeArtifact { manifest, written });
                 continue;
             }
-            ArtifactCondition::Damaged => swept.damaged += 1,
-            ArtifactCondition::LeftOver => swept.removed += 1,
+            ArtifactCondition::Damaged => cleaned.damaged += 1,
+            ArtifactCondition::LeftOver => cleaned.removed += 1,
         }
         lengths.remove(&key);
         folder.remove(&key)?;
     }
     for key in lengths.into_keys() {
         folder.remove(&key)?;
-        swept.removed += 1;
+        cleaned.removed += 1;
     }
     Ok(())
 }
