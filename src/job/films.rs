@@ -4,15 +4,15 @@ use super::complete::{CheckedJob, FilmJobs, Job};
 use super::fit::{faults_of, resolved};
 use crate::fault::Fault;
 use crate::math::parameter::Literal;
-use crate::output::ParameterSweep;
+use crate::output::ParameterRange;
 use crate::scheme::plan::PlanInput;
 
 use super::output::Output;
 
 /// Returns the outputs whose plan changes, by index, or `None` if there are none.
-pub(super) fn film_outputs(outputs: &[Output]) -> Option<Vec<(usize, ParameterSweep)>> {
-    let sweep = |(i, output): (usize, &Output)| Some((i, output.format.sweep(&output.options)?));
-    let found: Vec<_> = outputs.iter().enumerate().filter_map(sweep).collect();
+pub(super) fn film_outputs(outputs: &[Output]) -> Option<Vec<(usize, ParameterRange)>> {
+    let range = |(i, output): (usize, &Output)| Some((i, output.format.parameter_range(&output.options)?));
+    let found: Vec<_> = outputs.iter().enumerate().filter_map(range).collect();
     (!found.is_empty()).then_some(found)
 }
 
@@ -21,15 +21,15 @@ pub(super) fn film_outputs(outputs: &[Output]) -> Option<Vec<(usize, ParameterSw
 /// # Errors
 /// A fault of each output that cannot have all its frames.
 pub(super) fn of(
-    asked: &[(usize, ParameterSweep)],
+    asked: &[(usize, ParameterRange)],
     checked: &CheckedJob,
     plan: Option<&PlanInput>,
     levels: u32,
 ) -> Result<Vec<FilmJobs>, Vec<Fault>> {
     let (mut films, mut faults) = (Vec::new(), Vec::new());
-    for (of, sweep) in asked {
+    for (of, range) in asked {
         let output = &checked.outputs[*of];
-        match frames((output, sweep), checked, plan, levels) {
+        match frames((output, range), checked, plan, levels) {
             Ok(frames) => films.push(FilmJobs { of: *of, frames }),
             Err(fault) => faults.push(output.fault(fault)),
         }
@@ -42,12 +42,12 @@ pub(super) fn of(
 /// # Errors
 /// A fault below the output.
 fn frames(
-    (output, sweep): (&Output, &ParameterSweep),
+    (output, range): (&Output, &ParameterRange),
     checked: &CheckedJob,
     plan: Option<&PlanInput>,
     levels: u32,
 ) -> Result<Vec<Job>, Fault> {
-    let name = sweep.pointer.strip_prefix("/plan/parameters/").filter(|name| !name.contains('/'));
+    let name = range.pointer.strip_prefix("/plan/parameters/").filter(|name| !name.contains('/'));
     let (Some(plan), Some(name)) = (plan, name) else {
         let detail = "it leads to no parameter of the plan; give one such as /plan/parameters/delta";
         return Err(Fault::new("/sweep/pointer", detail));
@@ -66,5 +66,5 @@ fn frames(
         let faults = faults_of(&checked);
         Job::new(checked, levels, None, faults).map_err(at_value)
     };
-    sweep.values.iter().map(at).collect()
+    range.values.iter().map(at).collect()
 }

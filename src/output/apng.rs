@@ -5,8 +5,8 @@ use std::io::Write;
 use super::counts::{Counts, ShapeKind};
 use super::error::FormatError;
 use super::figure::FigureExtent;
-use super::film::{self, DELAY, FRAMES, Film, SWEEP, TURNTABLE};
-use super::format::{Content, Costs, Format, FormatFacts, ParameterSweep, Requirements};
+use super::film::{self, DELAY, FRAMES, Film, RANGE, TURNTABLE};
+use super::format::{Content, Costs, Format, FormatFacts, ParameterRange, Requirements};
 use super::picture::options::{self, CAMERA};
 use super::picture::outline::Outline;
 use super::png::Png;
@@ -28,7 +28,7 @@ const FRAME_BYTES: u128 = 128;
 /// turntables for large screens; twice of it lets one job draw for twice as long.
 const MAX_FILM_PIXELS: u64 = 1 << 28;
 
-const FILM_OPTIONS: [Parameter; 4] = [FRAMES, DELAY, TURNTABLE, SWEEP];
+const FILM_OPTIONS: [Parameter; 4] = [FRAMES, DELAY, TURNTABLE, RANGE];
 
 const N_OPTIONS: usize = FILM_OPTIONS.len() + super::png::PNG_OPTIONS.len();
 /// The options of the format, followed by those of its frames.
@@ -65,7 +65,7 @@ fn holds(kind: ShapeKind, values: &Values) -> Result<(), String> {
 
 /// Returns whether the camera goes around.
 fn goes_around(values: &Values) -> bool {
-    values.group(TURNTABLE.name).is_some() || values.group(SWEEP.name).is_none()
+    values.group(TURNTABLE.name).is_some() || values.group(RANGE.name).is_none()
 }
 
 impl Format for Apng {
@@ -77,8 +77,8 @@ impl Format for Apng {
         Png.side_px(outline, frame, values)
     }
 
-    fn sweep(&self, values: &Values) -> Option<ParameterSweep> {
-        film::sweep(values)
+    fn parameter_range(&self, values: &Values) -> Option<ParameterRange> {
+        film::parameter_range(values)
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {

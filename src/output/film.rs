@@ -6,7 +6,7 @@ use png::{BitDepth, ColorType, Compression, Encoder, Filter, Writer};
 
 use super::error::FormatError;
 use super::figure::{FigureExtent, framed};
-use super::format::ParameterSweep;
+use super::format::ParameterRange;
 use super::picture::framing::facing;
 use super::picture::options::{CAMERA, Options};
 use super::png as picture;
@@ -56,7 +56,7 @@ pub(super) const TURNTABLE: Parameter = Parameter::optional(
 );
 
 /// The parameter that changes from frame to frame.
-pub(super) const SWEEP: Parameter = Parameter::optional(
+pub(super) const RANGE: Parameter = Parameter::optional(
     "sweep",
     ParameterKind::Group(&[
         Parameter {
@@ -80,11 +80,11 @@ pub(super) fn frames(values: &Values) -> usize {
 }
 
 /// Returns the parameter that changes from frame to frame and its values, if one does.
-pub(super) fn sweep(values: &Values) -> Option<ParameterSweep> {
-    let asked = values.group(SWEEP.name)?;
+pub(super) fn parameter_range(values: &Values) -> Option<ParameterRange> {
+    let asked = values.group(RANGE.name)?;
     let [from, to] = [asked.number("from")?, asked.number("to")?];
     let pointer = asked.name("pointer")?.to_owned();
-    Some(ParameterSweep { pointer, values: between(from, to, frames(values), false) })
+    Some(ParameterRange { pointer, values: between(from, to, frames(values), false) })
 }
 
 /// Returns `n` evenly spaced numbers from `from` to `to`; if `round`, without `to`, which would be the next one.
@@ -101,7 +101,7 @@ pub fn shots(values: &Values, extent: &FigureExtent, frame: Frame) -> Vec<Values
     let values = framed(values, extent);
     let n = frames(&values);
     let turn = match values.group(TURNTABLE.name) {
-        None if values.group(SWEEP.name).is_some() => return vec![values; n],
+        None if values.group(RANGE.name).is_some() => return vec![values; n],
         turn => turn.cloned().unwrap_or_default(),
     };
     let [from, to] = [turn.number("from_deg").unwrap_or(0.0), turn.number("to_deg").unwrap_or(360.0)];

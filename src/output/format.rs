@@ -113,7 +113,7 @@ pub struct Details {
 
 /// Values of a parameter of a plan, one a frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ParameterSweep {
+pub struct ParameterRange {
     /// The JSON pointer of the parameter in the job.
     pub pointer: String,
     /// The values of the parameter.
@@ -138,7 +138,7 @@ pub trait Format: Requirements + Costs + fmt::Debug + Send + Sync {
     }
 
     /// Returns the parameter of the plan that changes from frame to frame of a moving picture, if the options name one.
-    fn sweep(&self, _options: &Values) -> Option<ParameterSweep> {
+    fn parameter_range(&self, _options: &Values) -> Option<ParameterRange> {
         None
     }
 

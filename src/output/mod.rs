@@ -68,7 +68,7 @@ mod vertex_sums;
 pub use counts::{Counts, ShapeKind};
 pub use error::FormatError;
 pub use farthest::{Farthest, Measured};
-pub use format::{Content, Costs, Details, Format, FormatFacts, MadeOf, Paper, ParameterSweep, Requirements};
+pub use format::{Content, Costs, Details, Format, FormatFacts, MadeOf, Paper, ParameterRange, Requirements};
 pub use obj::WITHOUT_LIBRARY;
 pub use options::{CAGE, DIRECTION_ITEMS, LIMIT, POSITIONS, TANGENTS};
 pub use picture::hidden_lines::MAX_LINE_TRIANGLES;
