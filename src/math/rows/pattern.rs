@@ -113,12 +113,12 @@ impl PeriodicRows {
             let targets = targets.iter_mut().step_by(period);
             let points = &points[residue.start + q * stride - offset..];
             match residue.weights.as_slice() {
-                &[a] => sweep([a], points, stride, targets),
-                &[a, b] => sweep([a, b], points, stride, targets),
-                &[a, b, c] => sweep([a, b, c], points, stride, targets),
-                &[a, b, c, d] => sweep([a, b, c, d], points, stride, targets),
-                &[a, b, c, d, e] => sweep([a, b, c, d, e], points, stride, targets),
-                &[a, b, c, d, e, f] => sweep([a, b, c, d, e, f], points, stride, targets),
+                &[a] => apply_weights([a], points, stride, targets),
+                &[a, b] => apply_weights([a, b], points, stride, targets),
+                &[a, b, c] => apply_weights([a, b, c], points, stride, targets),
+                &[a, b, c, d] => apply_weights([a, b, c, d], points, stride, targets),
+                &[a, b, c, d, e] => apply_weights([a, b, c, d, e], points, stride, targets),
+                &[a, b, c, d, e, f] => apply_weights([a, b, c, d, e, f], points, stride, targets),
                 weights => {
                     for (points, target) in points.windows(weights.len()).step_by(stride).zip(targets) {
                         *target = weighted(weights.iter().zip(points));
@@ -129,8 +129,8 @@ impl PeriodicRows {
     }
 }
 
-/// Applies the same weights to windows of `K` points, `stride` apart, one for each target.
-fn sweep<'a, const K: usize, const W: usize>(
+/// Applies the same weights to runs of `K` points, `stride` apart, one for each target.
+fn apply_weights<'a, const K: usize, const W: usize>(
     weights: [f64; K],
     points: &[[f64; W]],
     stride: usize,
@@ -139,7 +139,7 @@ fn sweep<'a, const K: usize, const W: usize>(
     // a loop of known length per coordinate stays in registers
     let sum = |points: &[[f64; W]; K], c: usize| (0..K).fold(-0.0, |sum, k| sum + weights[k] * points[k][c]);
     let fill = |(points, target): (&[[f64; W]; K], &mut [f64; W])| *target = std::array::from_fn(|c| sum(points, c));
-    let windows = points.array_windows::<K>();
+    let runs = points.array_windows::<K>();
     // a stride that is known to be 1 makes the loop simple
-    if stride == 1 { windows.zip(targets).for_each(fill) } else { windows.step_by(stride).zip(targets).for_each(fill) }
+    if stride == 1 { runs.zip(targets).for_each(fill) } else { runs.step_by(stride).zip(targets).for_each(fill) }
 }

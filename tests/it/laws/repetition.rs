@@ -1,5 +1,5 @@
-//! Repeating rows are applied without being built, several tables in one sweep: the bits are those of rows built one by
-//! one.
+//! Repeating rows are applied without being built, several tables to a block in turn: the bits are those of rows built
+//! one by one.
 
 use planish::math::rows::{MAX_RUN, RowSource, Rows, RowsBy, blend, blend_run};
 use planish::watch::Watch;
