@@ -14,9 +14,9 @@ use crate::watch::{Stopped, Watch};
 /// between the tables of a run need twice the cache, and short polygons leave threads idle.
 const ROWS_PER_TASK: usize = 4096;
 
-/// Maximum number of tables that are applied to a block in turn. Half of it stores the points between tables more often;
-/// twice of it saves less with each table, while blocks compute more points twice and follow the rows at the ends
-/// through more tables.
+/// Maximum number of tables that are applied to a block in turn. Half of it stores the points between tables more
+/// often; twice of it saves less with each table, while blocks compute more points twice and follow the rows at the
+/// ends through more tables.
 pub const MAX_RUN: usize = 4;
 
 /// The result of applying rows.

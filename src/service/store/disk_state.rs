@@ -75,7 +75,8 @@ impl DiskState {
         let folder = StoreFolder::open(dir, disk)?;
         let mut cleaned = clean_up(&folder)?;
         if cleaned.damaged + cleaned.removed > 0 {
-            tracing::warn!(dir = %dir.display(), damaged = cleaned.damaged, left_over = cleaned.removed, "swept the store");
+            let CleanUp { damaged, removed: left_over, .. } = cleaned;
+            tracing::warn!(dir = %dir.display(), damaged, left_over, "swept the store");
         }
         let (index, uses) = StoreIndex::open(folder.index());
         let occupied = Mutex::new(std::mem::take(&mut cleaned.occupied));
