@@ -15,7 +15,6 @@ mod clip;
 mod contact;
 #[cfg(test)]
 mod coverage_tests;
-mod desk;
 mod difference;
 mod facets;
 mod fine;
@@ -34,6 +33,7 @@ mod sight;
 #[cfg(test)]
 mod tests;
 mod texels;
+mod tile_scratch;
 mod tiles;
 mod triangle;
 mod veil;

@@ -15,8 +15,8 @@ use rayon::prelude::*;
 
 use super::bins::{TILE, TileGrid};
 use super::camera::{Camera, Projection};
-use super::desk::Drawn;
 use super::shade::{Vec3f, dot};
+use super::tile_scratch::Drawn;
 use crate::math::functions::{cos, sin};
 use crate::watch::{Stopped, Watch};
 

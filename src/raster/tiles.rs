@@ -6,10 +6,10 @@ use super::binned_model::BinnedModel;
 use super::bins::{TILE, TileGrid};
 use super::camera::Camera;
 use super::contact::{Ground, Shadow, ShadowRow};
-use super::desk::{Drawn, TileScratch};
 use super::model::Model;
 use super::occlusion::Occlusion;
 use super::pixmap::{ENCODING, Pixmap, premultiplied};
+use super::tile_scratch::{Drawn, TileScratch};
 use crate::watch::{Stopped, Watch};
 
 /// Maximum width and height of a picture in pixels. With the guard band, edge functions stay integers below 2^31; twice
@@ -68,11 +68,11 @@ pub fn render(
 fn drawn(model: &BinnedModel<'_>, is_fine: bool, watch: &Watch) -> Result<Vec<Option<Drawn>>, Stopped> {
     let TileGrid { columns, rows } = model.grid;
     let tiles = (0..usize::from(columns) * usize::from(rows)).into_par_iter();
-    let draw = |desk: &mut TileScratch, tile: usize| {
+    let draw = |scratch: &mut TileScratch, tile: usize| {
         watch.check()?;
         let place = [tile % usize::from(columns), tile / usize::from(columns)];
         let origin = place.map(|i| i32::try_from(i * TILE).expect("pictures are bounded"));
-        desk.draw(model, (tile, origin), is_fine, watch)
+        scratch.draw(model, (tile, origin), is_fine, watch)
     };
     tiles.map_init(|| TileScratch::new(model), draw).collect()
 }
