@@ -69,8 +69,8 @@ fn of_polygons(job: &Job, polygons: &[Polygon]) -> (u128, u128) {
     let (mut duals, mut most) = (0, LEAST_POINTS_READ);
     for step in job.steps() {
         duals = if step.letter.facts().role == Role::Upsample { 0 } else { duals };
-        let window = step.letter.operator.window(&step.letter.settings, duals);
-        most = window.map_or(most, |window| most.max(u128::from(window.last.abs_diff(window.first)) + 1));
+        let range = step.letter.operator.mask_range(&step.letter.settings, duals);
+        most = range.map_or(most, |range| most.max(u128::from(range.last.abs_diff(range.first)) + 1));
         duals += u32::from(step.letter.shifts());
     }
     // rows at two ends, or on both sides of corners

@@ -6,7 +6,7 @@ use crate::output::scene::FaceChunk;
 
 /// Bytes that are written at once for a row of indices, of which at most [`RowStyle::MAX_BYTES`] plus four times
 /// [`IndexText::MAX_BYTES`] are part of the text: an index writes 16 bytes, whatever its length.
-const ROW_WINDOW_BYTES: usize = 64;
+const ROW_BYTES: usize = 64;
 
 /// The characters around the numbers of a row.
 #[derive(Debug, Clone, Copy)]
@@ -59,18 +59,18 @@ impl RowStyle {
     fn rows_of_indices<const N: usize>(&self, rows: &[[u32; N]], origin: u64, out: &mut Bytes) {
         let mut columns: [IndexText; N] =
             std::array::from_fn(|k| IndexText::new(if k > 0 { self.between } else { self.open }, origin));
-        out.text(rows.len() * (Self::MAX_BYTES + N * IndexText::MAX_BYTES) + ROW_WINDOW_BYTES, |text| {
+        out.text(rows.len() * (Self::MAX_BYTES + N * IndexText::MAX_BYTES) + ROW_BYTES, |text| {
             let mut at = 0;
             for row in rows {
-                let Some(window) = text[at..].first_chunk_mut::<ROW_WINDOW_BYTES>() else { break };
+                let Some(line) = text[at..].first_chunk_mut::<ROW_BYTES>() else { break };
                 let mut end = self.start.len();
-                window[..end].copy_from_slice(self.start);
+                line[..end].copy_from_slice(self.start);
                 for (column, &n) in columns.iter_mut().zip(row) {
                     column.show(u64::from(n) + origin);
-                    window[end..end + 16].copy_from_slice(&column.text.to_le_bytes());
+                    line[end..end + 16].copy_from_slice(&column.text.to_le_bytes());
                     end += column.len;
                 }
-                window[end..end + self.end.len()].copy_from_slice(self.end);
+                line[end..end + self.end.len()].copy_from_slice(self.end);
                 at += end + self.end.len();
             }
             at

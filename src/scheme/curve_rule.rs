@@ -13,7 +13,7 @@ pub enum CurveRule {
     /// The mean of the means of two pairs, by [`triple`].
     Triple,
     /// The mean of as many neighbours as the arity says, by [`Number::ratio`].
-    Window,
+    Mean,
     /// The push-back: displacements of vertices, of which points between them have the shares of [`between`], times the
     /// compensation where there is one.
     PushBack {

@@ -33,7 +33,7 @@ impl Letter {
 
     /// Returns whether the letter moves the points of a polygon by half a step.
     pub fn shifts(&self) -> bool {
-        self.operator.window(&self.settings, 0).is_some_and(|window| window.shifts())
+        self.operator.mask_range(&self.settings, 0).is_some_and(|range| range.shifts())
     }
 }
 

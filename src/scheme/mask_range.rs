@@ -1,10 +1,11 @@
-//! Windows: how an operator of some arity moves and counts the points of a polygon.
+//! Ranges of masks: how an operator of some arity moves and counts the points of a polygon.
 
 use super::extent::Extent;
 
-/// Arity and reach of an operator: new point `j` depends on the old points `i` with `first <= j - d i <= last`.
+/// The arity of an operator and the range of its mask: new point `j` depends on the old points `i` with
+/// `first <= j - d i <= last`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Window {
+pub struct MaskRange {
     /// Arity d.
     pub arity: u32,
     /// First index of the mask.
@@ -30,15 +31,15 @@ pub struct Landing {
     pub start: i32,
 }
 
-impl Window {
-    /// Returns the window of U of arity d.
+impl MaskRange {
+    /// Returns the range of the mask of U of arity d.
     pub const fn upsample(arity: u32) -> Self {
         let reach = arity.cast_signed() - 1;
         Self { arity, first: -reach, last: reach }
     }
 
-    /// Returns the window of the mean of `width` neighbours; if that is even, the extra one follows or precedes the
-    /// point.
+    /// Returns the range of the mask of the mean of `width` neighbours; if that is even, the extra one follows or
+    /// precedes the point.
     pub const fn mean(width: u32, before: bool) -> Self {
         let spare = width.cast_signed() - 1;
         let back = if before { spare - spare / 2 } else { spare / 2 };

@@ -4,12 +4,12 @@ use std::fmt;
 
 use super::curve_rule::CurveRule;
 use super::forecast::Census;
+use super::mask_range::MaskRange;
 use super::mesh_net::MeshNet;
 use super::polygon_net::PolygonNet;
 use super::settings::LetterSettings;
 use super::step::{Step, StepValues};
 use super::step_error::StepError;
-use super::window::Window;
 use crate::math::parameter::Parameter;
 
 /// An operator: connectivity and weights. Only operators that are not linear see coordinates, in an [`Action::Map`].
@@ -20,7 +20,7 @@ pub trait Operator: fmt::Debug + Send + Sync {
     fn facts(&self) -> &'static Facts;
     /// Returns how the operator moves and counts the points of a polygon after `duals` half steps since the last
     /// upsampling; `None` if every point keeps its place in the sequence.
-    fn window(&self, _settings: &LetterSettings, _duals: u32) -> Option<Window> {
+    fn mask_range(&self, _settings: &LetterSettings, _duals: u32) -> Option<MaskRange> {
         None
     }
     /// Sets the values of a letter that depend on alpha.

@@ -1,6 +1,6 @@
 //! Tells which points of a polygon are children of vertices of the last upsampling.
 
-use super::window::steps;
+use super::mask_range::steps;
 
 /// The position of the children of vertices among the control points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

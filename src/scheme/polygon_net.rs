@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use super::extent::{Ends, Extent};
 use super::local::LocalValues;
+use super::mask_range::{MaskRange, steps};
 use super::phase::ChildPhase;
 use super::polygon_anchor::PolygonAnchor;
 use super::preimage::Preimages;
 use super::step_error::{About, StepError};
-use super::window::{Window, steps};
 use crate::math::rows::Rows;
 use crate::shape::attributes::Attributes;
 use crate::shape::topology::index;
@@ -99,7 +99,7 @@ impl PolygonNet {
 
     /// Returns the phase after an upsampling of this net.
     pub(super) fn phase_after(&self, arity: u32) -> ChildPhase {
-        let start = Window::upsample(arity).land(self.n as u128, self.extent).start;
+        let start = MaskRange::upsample(arity).land(self.n as u128, self.extent).start;
         ChildPhase { arity, offset: 0 }.moved(start)
     }
 
@@ -135,10 +135,10 @@ impl PolygonNet {
         self.corners.binary_search(&index(i)).is_ok()
     }
 
-    /// Returns the net after an operator with this window, and the sources of its points. Labels, the number of D and
-    /// the anchor are left unchanged.
-    pub(super) fn land(&self, window: Window) -> Result<(Self, Preimages), StepError> {
-        let landing = window.land(self.n as u128, self.extent);
+    /// Returns the net after an operator with a mask of this range, and the sources of its points. Labels, the number
+    /// of D and the anchor are left unchanged.
+    pub(super) fn land(&self, range: MaskRange) -> Result<(Self, Preimages), StepError> {
+        let landing = range.land(self.n as u128, self.extent);
         let n = usize::try_from(landing.n).unwrap_or(usize::MAX);
         if n < 2 {
             return Err(too_few_points(n));
@@ -146,7 +146,7 @@ impl PolygonNet {
         let fixed_ends = matches!(self.extent, Extent::Whole | Extent::Half);
         let first = isize::from(landing.extent == Extent::Half);
         let preimages = Preimages { n, ends: fixed_ends.then_some(self.n - 1), start: landing.start as isize - first };
-        let (d, start) = (i64::from(window.arity), i64::from(landing.start));
+        let (d, start) = (i64::from(range.arity), i64::from(landing.start));
         let corners = self.corners.iter().map(|&c| i64::from(c) * d - start);
         let corners = corners.filter_map(|c| u32::try_from(c).ok()).filter(|&c| (c as usize) < n).collect();
         let phase = self.phase.map(|phase| phase.moved(landing.start));

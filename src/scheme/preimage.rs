@@ -1,4 +1,4 @@
-//! The old points from which an operator with a window makes the points of a polygon.
+//! The old points from which an operator with a mask makes the points of a polygon.
 
 /// The sources of the stored points of a net.
 #[derive(Debug, Clone, Copy)]
@@ -14,7 +14,7 @@ pub(super) struct Preimages {
 pub(super) enum Preimage {
     /// The stored end point of the old net with this index.
     End(usize),
-    /// The point with this index `j` in the window.
+    /// The point with this index `j`, counted as in [`MaskRange`](super::mask_range::MaskRange).
     Point(isize),
 }
 

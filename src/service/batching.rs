@@ -156,7 +156,7 @@ impl Desk {
 
     /// Returns the maximum number of jobs of one batch that are queued or running at once: enough to keep every place
     /// busy, and at most half of those that its peer may have.
-    fn window(&self) -> usize {
+    fn max_items_at_once(&self) -> usize {
         let places = 2 * self.pool.places(Lane::Short) + 2;
         places.min(usize::try_from(self.terms.most_a_peer / 2).unwrap_or(usize::MAX)).max(1)
     }
@@ -167,7 +167,7 @@ impl Desk {
         drop(batch);
         let (mut open, mut under_way) = (open.into_iter(), JoinSet::new());
         loop {
-            while under_way.len() < self.window()
+            while under_way.len() < self.max_items_at_once()
                 && let Some(at) = open.next()
             {
                 under_way.spawn(self.clone().do_item(run.clone(), at, reader.clone()));

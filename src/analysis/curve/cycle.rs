@@ -215,10 +215,10 @@ fn extent(steps: &[Scheduled]) -> Option<(u64, u64)> {
         if operator.facts().role == Role::Upsample {
             duals = 0;
         }
-        if let Some(window) = operator.window(&step.letter.settings, duals) {
-            let d = u64::from(window.arity);
+        if let Some(range) = operator.mask_range(&step.letter.settings, duals) {
+            let d = u64::from(range.arity);
             arity = arity.checked_mul(d).filter(|&arity| arity <= MAX_IMPULSE_POINTS)?;
-            let spread = window.first.unsigned_abs().max(window.last.unsigned_abs());
+            let spread = range.first.unsigned_abs().max(range.last.unsigned_abs());
             reach = reach.checked_mul(d)?.checked_add(spread.into())?;
             last = if d > 1 { d } else { last };
         }

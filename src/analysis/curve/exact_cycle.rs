@@ -6,10 +6,10 @@ use crate::math::exact::{Exact, bounded};
 use crate::math::exactly;
 use crate::math::number::Number;
 use crate::scheme::curve_rule::{CurveRule, between, pair, spread, triple};
+use crate::scheme::mask_range::MaskRange;
 use crate::scheme::operator::Role;
 use crate::scheme::parameters::AVERAGES;
 use crate::scheme::plan::{Plan, Scheduled};
-use crate::scheme::window::Window;
 
 /// One application of a cycle as an exact mask a: `q[j] = sum over i of a[j - d i] p[i]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -126,10 +126,10 @@ impl ImpulseResponse {
                     a * old.at(j - 1) + b * old.at(j) + c * old.at(j + 1)
                 })?
             }
-            CurveRule::Window => {
-                let window = Window::mean(settings.arity(), duals % 2 == 1);
-                let (from, to) = (i64::from(window.first), i64::from(window.last));
-                self.duals += u32::from(window.shifts());
+            CurveRule::Mean => {
+                let range = MaskRange::mean(settings.arity(), duals % 2 == 1);
+                let (from, to) = (i64::from(range.first), i64::from(range.last));
+                self.duals += u32::from(range.shifts());
                 let (share, old) = (Exact::ratio(1, settings.arity().into()), &self.points);
                 ExactSequence::made(old.first + from, old.last() + to, |j| {
                     (j - to..=j - from).map(|i| old.at(i)).sum::<Exact>() * &share

@@ -5,10 +5,10 @@ use super::rows::{LimitRows, WeightRow};
 use crate::math::rows::{RowSource, Rows, RowsBy, blend};
 use crate::refine::{RefineError, refined_points};
 use crate::scheme::extent::{Ends, Extent};
+use crate::scheme::mask_range::{MaskRange, steps};
 use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::window::{Window, steps};
 use crate::shape::polygon::Polygon;
 use crate::shape::source::Curve;
 use crate::shape::topology::index;
@@ -66,11 +66,11 @@ pub fn check(polygon: &Polygon, plan: &Plan) -> Result<(), NoLimit> {
         return Err(NoLimit::OneSided);
     }
     // a rule that reaches one point on each side never crosses a corner, which is fixed
-    let near = |window: Window| window.first >= -1 && window.last <= 1;
+    let near = |range: MaskRange| range.first >= -1 && range.last <= 1;
     let mut letters = plan.word.prefix.iter().chain(&plan.word.cycle);
     let crosses = letters.any(|letter| {
-        let window = letter.operator.window(&letter.settings, 0);
-        letter.facts().role == Role::Average && !window.is_some_and(near)
+        let range = letter.operator.mask_range(&letter.settings, 0);
+        letter.facts().role == Role::Average && !range.is_some_and(near)
     });
     if !polygon.corners.is_empty() && crosses { Err(NoLimit::Corners) } else { Ok(()) }
 }

@@ -1,4 +1,4 @@
-//! The forecast of polygons, which follows from the windows of the operators.
+//! The forecast of polygons, which follows from the ranges of the masks of the operators.
 
 use super::count::Count;
 use super::tally::{Forecast, ForecastError};
@@ -41,8 +41,8 @@ fn of_polygon(net: &PolygonNet, steps: &[Scheduled]) -> Result<Forecast, Forecas
         if step.letter.facts().role == Role::Upsample {
             duals = 0;
         }
-        if let Some(window) = step.letter.operator.window(&step.letter.settings, duals) {
-            let landing = window.land(n, extent);
+        if let Some(range) = step.letter.operator.mask_range(&step.letter.settings, duals) {
+            let landing = range.land(n, extent);
             (n, extent) = (landing.n, landing.extent);
         }
         duals += u32::from(step.letter.shifts());

@@ -8,6 +8,7 @@ use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::curve_rule::{CurveRule, triple};
+use crate::scheme::mask_range::MaskRange;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
 use crate::scheme::parameters::{DEFAULT_MU, SPLIT};
@@ -17,7 +18,6 @@ use crate::scheme::settings::LetterSettings;
 use crate::scheme::stencil::{EdgeMask, FaceMask, RingMask, VertexMask};
 use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
-use crate::scheme::window::Window;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{Topology, index};
 
@@ -55,12 +55,12 @@ impl Operator for Average {
         if even { Ok(SplineStep::Mean) } else { Err("its C has another mu than 1/4") }
     }
 
-    fn window(&self, _: &LetterSettings, _: u32) -> Option<Window> {
-        Some(Window::mean(3, false))
+    fn mask_range(&self, _: &LetterSettings, _: u32) -> Option<MaskRange> {
+        Some(MaskRange::mean(3, false))
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
-        let (landed, preimages) = net.land(Window::mean(3, false))?;
+        let (landed, preimages) = net.land(MaskRange::mean(3, false))?;
         let (old, f, first) = (net.clone(), values.kernel, values.first);
         let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
             Preimage::End(end) => out.add(index(end), 1.0),

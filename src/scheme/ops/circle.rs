@@ -5,6 +5,7 @@ use crate::math::functions::sin;
 use crate::math::mask::Mask;
 use crate::scheme::curve_rule::{CurveRule, spread};
 use crate::scheme::extent::Extent;
+use crate::scheme::mask_range::MaskRange;
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::parameters::{ARITY, AVERAGES, FIRST, MASK};
 use crate::scheme::polygon_anchor::PolygonAnchor;
@@ -12,7 +13,6 @@ use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::settings::LetterSettings;
 use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
-use crate::scheme::window::Window;
 
 /// A level of the d-ary scheme with m averages that reproduces circles sampled at the angle alpha: the mask
 /// `d sigma^m E / (sigma(1)^m E(1))` with `sigma = 1 + z + ... + z^(d-1)`, `E` having the coefficients
@@ -62,20 +62,20 @@ impl Operator for Circle {
         Ok(())
     }
 
-    fn window(&self, settings: &LetterSettings, _: u32) -> Option<Window> {
+    fn mask_range(&self, settings: &LetterSettings, _: u32) -> Option<MaskRange> {
         let mask = settings.mask()?;
-        Some(Window { arity: settings.arity(), first: mask.first, last: mask.last() })
+        Some(MaskRange { arity: settings.arity(), first: mask.first, last: mask.last() })
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         let settings = values.settings;
-        let (Some(window), Some(mask)) = (self.window(settings, 0), settings.mask()) else {
+        let (Some(range), Some(mask)) = (self.mask_range(settings, 0), settings.mask()) else {
             return Err(StepError::new("a circle mask is scheduled before it is applied"));
         };
         if !net.corners.is_empty() {
             return Err(StepError::new("corners need a word over U, C and P; this scheme is a mask and has none"));
         }
-        let (landed, rows) = apply(net, window, mask)?;
+        let (landed, rows) = apply(net, range, mask)?;
         let lost = net.extent == Extent::Natural && settings.whole(&AVERAGES).is_some_and(|averages| averages > 0);
         let anchor = PolygonAnchor { lost, ..net.as_anchor() };
         let phase = Some(net.phase_after(settings.arity()));

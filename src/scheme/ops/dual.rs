@@ -10,6 +10,7 @@ use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::curve_rule::{CurveRule, pair};
+use crate::scheme::mask_range::MaskRange;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Operator, Role, SplineStep};
 use crate::scheme::parameters::SPLIT;
@@ -18,7 +19,6 @@ use crate::scheme::preimage::Preimage;
 use crate::scheme::settings::LetterSettings;
 use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
-use crate::scheme::window::Window;
 use crate::shape::check::{FaceList, Winding};
 use crate::shape::connect::CheckedTopology;
 use crate::shape::tile::Tile;
@@ -61,9 +61,9 @@ impl Operator for Dual {
         }
     }
 
-    fn window(&self, _: &LetterSettings, duals: u32) -> Option<Window> {
+    fn mask_range(&self, _: &LetterSettings, duals: u32) -> Option<MaskRange> {
         // the first D looks forward and the second one back, so that two of them are centred again
-        Some(Window::mean(2, duals % 2 == 1))
+        Some(MaskRange::mean(2, duals % 2 == 1))
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
@@ -71,7 +71,7 @@ impl Operator for Dual {
             return Err(cannot_carry("corners"));
         }
         let back = isize::from(net.duals % 2 == 1);
-        let (landed, preimages) = net.land(Window::mean(2, back == 1))?;
+        let (landed, preimages) = net.land(MaskRange::mean(2, back == 1))?;
         let (old, f, first) = (net.clone(), values.kernel, values.first);
         let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
             Preimage::End(end) => out.add(index(end), 1.0),

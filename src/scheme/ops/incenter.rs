@@ -8,12 +8,12 @@ use crate::math::functions::sin;
 use crate::math::parameter::{Default, Parameter};
 use crate::math::planar::{Neighbours, Vector2, angle, half_chord, length, rotated};
 use crate::math::vector::{direction, plus, times};
+use crate::scheme::mask_range::MaskRange;
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::polygon_net::PolygonNet;
 use crate::scheme::settings::LetterSettings;
 use crate::scheme::step::{Action, PointMap, Step, StepValues};
 use crate::scheme::step_error::StepError;
-use crate::scheme::window::Window;
 use crate::watch::{Stopped, Watch};
 
 /// Number of edges that one thread processes at a time. Half as many leave twice as many blocks to join; twice as many
@@ -60,13 +60,13 @@ impl Operator for Incenter {
         &FACTS
     }
 
-    fn window(&self, _: &LetterSettings, _: u32) -> Option<Window> {
-        Some(Window::upsample(2))
+    fn mask_range(&self, _: &LetterSettings, _: u32) -> Option<MaskRange> {
+        Some(MaskRange::upsample(2))
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         let mu = values.settings.number(&Self::CIRCLE_SHARE);
-        let (landed, _) = net.land(Window::upsample(2))?;
+        let (landed, _) = net.land(MaskRange::upsample(2))?;
         let map = Biarcs { closed: net.is_closed(), mu, pinned: net.pinned.clone() };
         let pinned = net.pinned.iter().map(|i| 2 * i).collect();
         let next = PolygonNet { duals: 0, phase: Some(net.phase_after(2)), anchor: None, pinned, ..landed };

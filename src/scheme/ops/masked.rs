@@ -3,6 +3,7 @@
 use crate::math::mask::Mask;
 use crate::math::rows::{RowSource, Rows, RowsBy};
 use crate::scheme::curve_rule::CurveRule;
+use crate::scheme::mask_range::{MaskRange, steps};
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::parameters::{ARITY, FIRST, MASK};
 use crate::scheme::polygon_net::PolygonNet;
@@ -10,7 +11,6 @@ use crate::scheme::preimage::Preimage;
 use crate::scheme::settings::LetterSettings;
 use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
-use crate::scheme::window::{Window, steps};
 use crate::shape::topology::index;
 
 /// A level of the scheme `q[j] = sum over i of a[j - d i] p[i]` of arity d with the mask a.
@@ -34,20 +34,20 @@ impl Operator for Masked {
         &FACTS
     }
 
-    fn window(&self, settings: &LetterSettings, _: u32) -> Option<Window> {
+    fn mask_range(&self, settings: &LetterSettings, _: u32) -> Option<MaskRange> {
         let mask = settings.mask()?;
-        Some(Window { arity: settings.arity(), first: mask.first, last: mask.last() })
+        Some(MaskRange { arity: settings.arity(), first: mask.first, last: mask.last() })
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         let settings = values.settings;
-        let (Some(window), Some(mask)) = (self.window(settings, 0), settings.mask()) else {
+        let (Some(range), Some(mask)) = (self.mask_range(settings, 0), settings.mask()) else {
             return Err(StepError::new("a mask operator has a mask"));
         };
         if !net.corners.is_empty() {
             return Err(StepError::new("corners need a word over U, C and P; this scheme is a mask and has none"));
         }
-        let (landed, rows) = apply(net, window, mask)?;
+        let (landed, rows) = apply(net, range, mask)?;
         let next = PolygonNet { duals: 0, phase: None, anchor: None, ..landed };
         Ok(Step { net: next, action: Action::Blend(rows) })
     }
@@ -57,10 +57,10 @@ impl Operator for Masked {
 /// in any case.
 pub(super) fn apply(
     net: &PolygonNet,
-    window: Window,
+    range: MaskRange,
     mask: Mask,
 ) -> Result<(PolygonNet, Box<dyn RowSource>), StepError> {
-    let (landed, preimages) = net.land(window)?;
+    let (landed, preimages) = net.land(range)?;
     let uniform = net.corners.is_empty();
     let old = net.clone();
     let n = landed.n;
@@ -71,8 +71,8 @@ pub(super) fn apply(
                 old.add(j, 1.0, out);
                 return;
             }
-            let d = steps(window.arity);
-            let (lowest, highest) = (j - window.last as isize, j - window.first as isize);
+            let d = steps(range.arity);
+            let (lowest, highest) = (j - range.last as isize, j - range.first as isize);
             for i in -(-lowest).div_euclid(d)..=highest.div_euclid(d) {
                 let weight = mask.at(j - d * i);
                 if weight != 0.0 {
@@ -81,8 +81,7 @@ pub(super) fn apply(
             }
         }
     });
-    let margin =
-        usize::try_from(window.first.unsigned_abs() + window.last.unsigned_abs() + 3 * window.arity).unwrap_or(0);
-    let rows = if uniform { rows.repeating(window.arity as usize, margin) } else { rows };
+    let margin = usize::try_from(range.first.unsigned_abs() + range.last.unsigned_abs() + 3 * range.arity).unwrap_or(0);
+    let rows = if uniform { rows.repeating(range.arity as usize, margin) } else { rows };
     Ok((landed, Box::new(rows)))
 }

@@ -10,6 +10,7 @@ use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::anchor::Anchor;
 use crate::scheme::creases::{Creases, Rule};
 use crate::scheme::curve_rule::{CurveRule, between};
+use crate::scheme::mask_range::steps;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Follows, Nets, Operator, Role, SplineStep};
 use crate::scheme::polygon_anchor::PolygonAnchor;
@@ -18,7 +19,6 @@ use crate::scheme::rules::LatitudeRule;
 use crate::scheme::settings::LetterSettings;
 use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
-use crate::scheme::window::steps;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 

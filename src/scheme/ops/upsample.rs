@@ -7,6 +7,7 @@ use crate::scheme::anchor::Anchor;
 use crate::scheme::curve_rule::{CurveRule, between};
 use crate::scheme::local::LocalValues;
 use crate::scheme::local_mesh::MeshLocal;
+use crate::scheme::mask_range::{MaskRange, steps};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Follows, Operator, Role, SplineStep, Standard};
 use crate::scheme::parameters::{ARITY, SPLIT};
@@ -15,7 +16,6 @@ use crate::scheme::preimage::Preimage;
 use crate::scheme::settings::LetterSettings;
 use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::{About, StepError};
-use crate::scheme::window::{Window, steps};
 use crate::shape::tile::Tile;
 use crate::shape::topology::index;
 
@@ -54,13 +54,13 @@ impl Operator for Upsample {
         if settings.arity() == 2 { Ok(SplineStep::Upsample) } else { Err("its U has an arity above 2") }
     }
 
-    fn window(&self, settings: &LetterSettings, _: u32) -> Option<Window> {
-        Some(Window::upsample(settings.arity()))
+    fn mask_range(&self, settings: &LetterSettings, _: u32) -> Option<MaskRange> {
+        Some(MaskRange::upsample(settings.arity()))
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         let arity = values.settings.arity();
-        let (landed, preimages) = net.land(Window::upsample(arity))?;
+        let (landed, preimages) = net.land(MaskRange::upsample(arity))?;
         let old = net.clone();
         let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
             Preimage::End(end) => out.add(index(end), 1.0),
