@@ -4,7 +4,7 @@ use super::beside::InputFile;
 use crate::scheme::tags::Boundary;
 use crate::shape::attachments::ChannelInput;
 use crate::shape::check::FaceList;
-use crate::shape::frame::{Unit, Up};
+use crate::shape::coordinate_system::{Unit, Up};
 use crate::shape::labels::FaceSet;
 use crate::shape::looks::Look;
 use crate::shape::seams::Interpolation;

@@ -10,7 +10,7 @@ use self::xml::XmlTags;
 use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::room::MemoryBudget;
 use super::text::quoted;
-use crate::shape::frame::Up;
+use crate::shape::coordinate_system::Up;
 
 /// The reader of 3MF Core 1.3: the objects of the build with the transforms of their items, with components, and with
 /// materials and colours of the Materials Extension.

@@ -12,7 +12,7 @@ use self::tree::{Layer, UsdaValue, metadata_value};
 use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::room::MemoryBudget;
 use super::text::text;
-use crate::shape::frame::{Unit, Up};
+use crate::shape::coordinate_system::{Unit, Up};
 
 /// The reader of USD as text (`.usda`): the visible meshes, with their transforms applied, as one mesh.
 ///

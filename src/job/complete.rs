@@ -14,7 +14,7 @@ use crate::output::figure::{self, PanelGrid, Sheet};
 use crate::output::{FORMATS, hard_edges, surface};
 use crate::refine::{held_levels, is_swept, swept_from};
 use crate::scheme::plan::{Plan, PlanInput, Scheduled};
-use crate::shape::frame::Frame;
+use crate::shape::coordinate_system::CoordinateSystem;
 
 /// The parts of a job that are checked before its level is known.
 #[derive(Debug, Clone)]
@@ -23,7 +23,7 @@ pub(super) struct CheckedJob {
     pub(super) entry: InputEntry,
     pub(super) plan: Plan,
     pub(super) outputs: Vec<Output>,
-    pub(super) frame: Frame,
+    pub(super) coordinate_system: CoordinateSystem,
     /// The job from whose surface pictures measure distances, if that is not the control net.
     pub(super) other: Option<Arc<Job>>,
 }
@@ -44,7 +44,7 @@ pub struct Job {
     /// The outputs.
     pub outputs: Vec<Output>,
     /// The unit and up axis of the input's coordinates.
-    pub frame: Frame,
+    pub coordinate_system: CoordinateSystem,
     /// The job from whose surface pictures measure distances, if that is not the control net.
     pub other: Option<Arc<Self>>,
     steps: Box<[Scheduled]>,
@@ -132,7 +132,7 @@ impl Job {
             levels: 0,
             reached: None,
             outputs,
-            frame: Frame::default(),
+            coordinate_system: CoordinateSystem::default(),
             other: None,
             steps: Box::default(),
             refined_keys: keys.clone(),
@@ -185,7 +185,7 @@ impl Job {
             faults.extend(found);
             Vec::new()
         });
-        let CheckedJob { input, entry, plan, mut outputs, frame, other } = checked;
+        let CheckedJob { input, entry, plan, mut outputs, coordinate_system, other } = checked;
         let steps = plan.schedule(levels).unwrap_or_else(|fault| {
             faults.push(fault.under("/plan"));
             Vec::new()
@@ -204,7 +204,8 @@ impl Job {
             hard_edges::settle(options, refines && plan.smooths());
         }
         let other_surface = other.as_ref().map(|other| other.refined_keys[0]);
-        let (keys, refined_keys) = key::artifacts((&input, frame), (&plan, levels), &outputs, other_surface);
+        let (keys, refined_keys) =
+            key::artifacts((&input, coordinate_system), (&plan, levels), &outputs, other_surface);
         let steps = steps.into();
         let (figure, films) = (None, Vec::new());
         Ok(Self {
@@ -214,7 +215,7 @@ impl Job {
             levels,
             reached,
             outputs,
-            frame,
+            coordinate_system,
             other,
             steps,
             keys,
@@ -288,8 +289,8 @@ impl Job {
             return Vec::new();
         }
         let (input, plan) = (self.input.clone(), self.plan.clone());
-        let (entry, frame, outputs) = (self.entry, self.frame, Vec::new());
-        let checked = CheckedJob { input, entry, plan, outputs, frame, other: None };
+        let (entry, coordinate_system, outputs) = (self.entry, self.coordinate_system, Vec::new());
+        let checked = CheckedJob { input, entry, plan, outputs, coordinate_system, other: None };
         // each job was already made once when this job was checked
         wanted.filter_map(|detail| job_of(detail, &checked).ok()).collect()
     }

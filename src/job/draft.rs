@@ -14,7 +14,7 @@ use super::search::Search;
 use crate::fault::{Fault, under};
 use crate::output::ShapeKind;
 use crate::scheme::plan::{Plan, PlanInput, Subject};
-use crate::shape::frame::Frame;
+use crate::shape::coordinate_system::CoordinateSystem;
 
 /// The result of reading a job.
 #[derive(Debug, Clone)]
@@ -31,7 +31,7 @@ impl Draft {
     /// # Errors
     /// Every fault found, with pointers into the request.
     pub fn new(
-        (input, entry, frame): (Input, InputEntry, Frame),
+        (input, entry, coordinate_system): (Input, InputEntry, CoordinateSystem),
         plan: Option<&PlanInput>,
         levels: Option<Levels>,
         outputs: Vec<Output>,
@@ -61,7 +61,7 @@ impl Draft {
                 return Err(faults);
             }
         };
-        let checked = CheckedJob { input: Arc::new(input), entry, plan, outputs, frame, other };
+        let checked = CheckedJob { input: Arc::new(input), entry, plan, outputs, coordinate_system, other };
         let fit = [faults_of(&checked), other_faults(&checked)].concat();
         let asked = films::film_outputs(&checked.outputs);
         match levels {

@@ -29,7 +29,7 @@ pub(super) fn level(checked: &CheckedJob) -> Result<u32, Fault> {
     let outline = outline(&checked.input)?;
     let mut widest: f64 = 0.0;
     for output in &checked.outputs {
-        let side = output.format.side_px(&outline, checked.frame, &output.options).ok_or_else(|| {
+        let side = output.format.side_px(&outline, checked.coordinate_system, &output.options).ok_or_else(|| {
             let name = output.format.name();
             Fault::new("/levels", format!("\"auto\" is for pictures, {name} has no pixels; give a number of levels"))
         })?;

@@ -50,7 +50,7 @@ pub(super) fn resolved(input: &Input, plan: Option<&PlanInput>, outputs: &[Outpu
 }
 
 /// Returns why distances cannot be measured from the surface of another job, if one is given.
-pub(super) fn other_faults(CheckedJob { outputs, frame, other, .. }: &CheckedJob) -> Vec<Fault> {
+pub(super) fn other_faults(CheckedJob { outputs, coordinate_system, other, .. }: &CheckedJob) -> Vec<Fault> {
     let Some(other) = other else { return Vec::new() };
     let fault = |place: &str, detail: &str| Some(Fault::new(format!("/distance_to{place}"), detail));
     let none = !outputs.iter().any(|output| shows_distances(&output.options));
@@ -58,7 +58,7 @@ pub(super) fn other_faults(CheckedJob { outputs, frame, other, .. }: &CheckedJob
     let found = [
         none.then(|| fault("", "no output shows distances; give one \"shading\": \"distance\", or leave it out")),
         of_curves.then(|| fault("/input", "distances are measured from a surface, curves have none; give a mesh")),
-        (other.frame != *frame).then(|| {
+        (other.coordinate_system != *coordinate_system).then(|| {
             fault(
                 "/input",
                 "coordinates mean other lengths or directions here; give both inputs one \"unit\" and \"up\"",

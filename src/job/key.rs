@@ -20,8 +20,8 @@ use crate::scheme::plan::{Latitude, Perturbation, Plan};
 use crate::scheme::rules::{Rules, TriangleRule};
 use crate::scheme::sharpness::Creasing;
 use crate::scheme::word::Word;
+use crate::shape::coordinate_system::CoordinateSystem;
 use crate::shape::creases::INFINITE_SHARPNESS;
-use crate::shape::frame::Frame;
 use crate::shape::tile::Tile;
 
 /// The version of the results, raised whenever the bytes of any artifact change.
@@ -75,12 +75,12 @@ pub fn content(bytes: &[u8]) -> Key {
 /// shape is hashed once for all outputs. Each artifact's key comes with the key of the refined shape that it shows.
 /// Pictures of distances from the surface of another job include the key of that surface.
 pub(super) fn artifacts(
-    (shape, frame): (&Input, Frame),
+    (shape, coordinate_system): (&Input, CoordinateSystem),
     (refined, levels): (&Plan, u32),
     outputs: &[Output],
     other: Option<Key>,
 ) -> (Vec<Key>, Vec<Key>) {
-    let Frame { unit, up } = frame;
+    let CoordinateSystem { unit, up } = coordinate_system;
     let whole = hashed(&input(shape, refined));
     let artifact = |output: &Output| {
         // the name, and the position among the outputs, are the client's choice
@@ -98,7 +98,7 @@ pub(super) fn artifacts(
         let mut items = head("planish artifact");
         items.extend([Item::text(format.name()), values(options)]);
         items.extend(shown_lines(shape, refined, options));
-        if !frame.is_default() {
+        if !coordinate_system.is_default() {
             items.push(Item::List(vec![Item::text(unit.name()), Item::text(up.name())]));
         }
         items.extend(described(description.as_deref()));

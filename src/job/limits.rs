@@ -386,7 +386,7 @@ fn counts(job: &Job, forecast: &Forecast, level: usize) -> Counts {
         seamed: count.seamed,
         unfolded: count.unfolded,
         frames: mesh.map_or(0, |mesh| mesh.frames.len()),
-        frame: job.frame,
+        coordinate_system: job.coordinate_system,
         attachments: mesh.map_or_else(Arc::default, |mesh| mesh.attachments.clone()),
         input_faces: mesh.map_or(0, |mesh| mesh.topology.n_faces()),
         input_edges: mesh.map_or(0, |mesh| mesh.topology.n_edges()),

@@ -52,8 +52,9 @@ fn weighed(job: &Job, output: &Output, watch: &Watch, show: Show<'_>) -> Result<
         Input::Mesh(mesh) => Box::new(ControlMesh { mesh, plan: &job.plan, refined: OnceLock::new(), other: None }),
     };
     let (shape, control) = (control.shape(), &*control);
-    let (frame, notes) = (job.frame, &Notes::default());
-    let scene = Scene { shape, control, warnings: &warnings, frame, notes, weights: Some(&weights), details: &[] };
+    let (coordinate_system, notes) = (job.coordinate_system, &Notes::default());
+    let scene =
+        Scene { shape, control, warnings: &warnings, coordinate_system, notes, weights: Some(&weights), details: &[] };
     shown(&scene, output, watch, show)
 }
 
@@ -63,8 +64,8 @@ fn draw(job: &Job, polygons: &[Polygon], output: &Output, watch: &Watch, show: S
     let warnings = curve::warnings(&job.plan, job.levels, watch).map_err(RunError::Stopped)?;
     let control = &ControlPolygons { polygons, curves: OnceLock::new() };
     let shape = Shape::Curves(&refined);
-    let (frame, notes) = (job.frame, &Notes::default());
-    let scene = Scene { shape, control, warnings: &warnings, frame, notes, weights: None, details: &[] };
+    let (coordinate_system, notes) = (job.coordinate_system, &Notes::default());
+    let scene = Scene { shape, control, warnings: &warnings, coordinate_system, notes, weights: None, details: &[] };
     shown(&scene, output, watch, show)
 }
 
@@ -79,10 +80,11 @@ fn form(
     let mesh = &*mesh.at_frame(output.frame);
     let other = other_surface(job, output, kept, watch)?;
     let control = &ControlMesh { mesh, plan: &job.plan, refined: OnceLock::new(), other: other.as_deref() };
-    let (frame, notes) = (job.frame, &Notes::default());
+    let (coordinate_system, notes) = (job.coordinate_system, &Notes::default());
     if output.format.is_of_limit() {
         let (shape, warnings) = (control.shape(), mesh.warnings());
-        let scene = Scene { shape, control, warnings: &warnings, frame, notes, weights: None, details: &[] };
+        let scene =
+            Scene { shape, control, warnings: &warnings, coordinate_system, notes, weights: None, details: &[] };
         return shown(&scene, output, watch, show);
     }
     if on_demand {
@@ -90,7 +92,8 @@ fn form(
         let streamed = streamed.map_err(|error| RunError::of_limit(error.into(), mesh.attributes.as_ref(), ""))?;
         let Some(streamed) = streamed else { return Err(RunError::too_large()) };
         let (shape, warnings) = (Shape::Mesh(&streamed), mesh.warnings());
-        let scene = Scene { shape, control, warnings: &warnings, frame, notes, weights: None, details: &[] };
+        let scene =
+            Scene { shape, control, warnings: &warnings, coordinate_system, notes, weights: None, details: &[] };
         return shown(&scene, output, watch, show);
     }
     let refined = &*refined(job, mesh, output, kept, watch)?;
@@ -109,7 +112,12 @@ fn form(
         .collect();
     let of_other = other.iter().flat_map(|other| &other.warnings).map(|warning| format!("distance_to: {warning}"));
     let warnings = &refined.warnings.iter().cloned().chain(of_other).collect::<Vec<String>>();
-    shown(&Scene { shape, control, warnings, frame, notes, weights: None, details: &details }, output, watch, show)
+    shown(
+        &Scene { shape, control, warnings, coordinate_system, notes, weights: None, details: &details },
+        output,
+        watch,
+        show,
+    )
 }
 
 /// Refines the surface of another job from which an output measures distances.

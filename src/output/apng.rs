@@ -10,7 +10,7 @@ use super::format::{Content, Costs, Format, FormatFacts, ParameterRange, Require
 use super::picture::options::{self, CAMERA};
 use super::picture::outline::Outline;
 use super::png::Png;
-use super::scene::{Frame, Scene};
+use super::scene::{CoordinateSystem, Scene};
 use super::size::Size;
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
@@ -73,8 +73,8 @@ impl Format for Apng {
         FACTS
     }
 
-    fn side_px(&self, outline: &Outline, frame: Frame, values: &Values) -> Option<f64> {
-        Png.side_px(outline, frame, values)
+    fn side_px(&self, outline: &Outline, coordinate_system: CoordinateSystem, values: &Values) -> Option<f64> {
+        Png.side_px(outline, coordinate_system, values)
     }
 
     fn parameter_range(&self, values: &Values) -> Option<ParameterRange> {
@@ -85,7 +85,7 @@ impl Format for Apng {
         let mut extent = FigureExtent::default();
         extent.add(scene, values, watch)?;
         let mut film = Film::begin(values, out)?;
-        for shot in film::shots(values, &extent, scene.frame) {
+        for shot in film::shots(values, &extent, scene.coordinate_system) {
             film.frame(scene, &shot, watch)?;
         }
         film.end()

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::shape::attachments::Attachments;
-use crate::shape::frame::Frame;
+use crate::shape::coordinate_system::CoordinateSystem;
 use crate::solid::CageCounts;
 
 /// The kind of a shape.
@@ -53,7 +53,7 @@ pub struct Counts {
     /// Number of shown frames of a mesh after the first (0 for curves).
     pub frames: usize,
     /// The unit and the up axis of coordinates.
-    pub frame: Frame,
+    pub coordinate_system: CoordinateSystem,
     /// The attachments of a mesh.
     pub attachments: Arc<Attachments>,
     /// Number of faces of the input mesh, hidden ones included (0 for curves).

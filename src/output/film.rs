@@ -10,7 +10,7 @@ use super::format::ParameterRange;
 use super::picture::framing::facing;
 use super::picture::options::{CAMERA, Options};
 use super::png as picture;
-use super::scene::{Frame, Scene};
+use super::scene::{CoordinateSystem, Scene};
 use crate::math::parameter::{Default, Parameter, ParameterKind, Values};
 use crate::math::vector::minus;
 use crate::watch::{Stage, Watch};
@@ -97,7 +97,7 @@ fn between(from: f64, to: f64, n: usize, round: bool) -> Vec<f64> {
 }
 
 /// Returns the options of each frame, all framed by the box around everything that the frames show.
-pub fn shots(values: &Values, extent: &FigureExtent, frame: Frame) -> Vec<Values> {
+pub fn shots(values: &Values, extent: &FigureExtent, coordinate_system: CoordinateSystem) -> Vec<Values> {
     let values = framed(values, extent);
     let n = frames(&values);
     let turn = match values.group(TURNTABLE.name) {
@@ -107,12 +107,12 @@ pub fn shots(values: &Values, extent: &FigureExtent, frame: Frame) -> Vec<Values
     let [from, to] = [turn.number("from_deg").unwrap_or(0.0), turn.number("to_deg").unwrap_or(360.0)];
     let whole = (to - from).abs() >= 360.0 && (to - from) % 360.0 == 0.0;
     let azimuths = between(from, to, n, whole);
-    turned(&values, &azimuths, frame)
+    turned(&values, &azimuths, coordinate_system)
 }
 
 /// Returns the options with these azimuths, at the distance or scale at which all frames show everything.
-fn turned(values: &Values, azimuths: &[f64], frame: Frame) -> Vec<Values> {
-    let options = Options::new(values, frame);
+fn turned(values: &Values, azimuths: &[f64], coordinate_system: CoordinateSystem) -> Vec<Values> {
+    let options = Options::new(values, coordinate_system);
     let camera = values.group(CAMERA.name).cloned().unwrap_or_default();
     let corners = options.corners().unwrap_or_default();
     let middle = [0, 1, 2].map(|k| 0.5 * corners[0][k] + 0.5 * corners[7][k]);
@@ -155,7 +155,7 @@ impl<'a> Film<'a> {
     /// # Errors
     /// When the writer fails.
     pub fn begin(values: &Values, out: &'a mut dyn Write) -> Result<Self, FormatError> {
-        let options = Options::new(values, Frame::default());
+        let options = Options::new(values, CoordinateSystem::default());
         let is_opaque = options.background[3] == 255;
         let mut encoder = Encoder::new(out, options.size[0], options.size[1]);
         encoder.set_color(if is_opaque { ColorType::Rgb } else { ColorType::Rgba });

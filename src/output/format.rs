@@ -7,7 +7,7 @@ use super::counts::{Counts, ShapeKind};
 use super::error::FormatError;
 use super::options::IDS;
 use super::picture::outline::Outline;
-use super::scene::{Frame, Scene};
+use super::scene::{CoordinateSystem, Scene};
 use super::size::Size;
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
@@ -144,7 +144,7 @@ pub trait Format: Requirements + Costs + fmt::Debug + Send + Sync {
 
     /// Returns the mean length, in pixels, of the edges of an input in the picture; `None` for formats that are not
     /// pictures.
-    fn side_px(&self, _outline: &Outline, _frame: Frame, _options: &Values) -> Option<f64> {
+    fn side_px(&self, _outline: &Outline, _coordinate_system: CoordinateSystem, _options: &Values) -> Option<f64> {
         None
     }
 

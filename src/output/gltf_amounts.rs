@@ -10,7 +10,7 @@ use crate::output::gltf_views::CHANNEL_NUMBER_BYTES;
 use crate::output::hard_edges;
 use crate::output::numbers::total;
 use crate::output::options::IDS;
-use crate::output::scene::{Frame, Shape};
+use crate::output::scene::{CoordinateSystem, Shape};
 use crate::shape::attachments::Attachments;
 use crate::shape::labels::by_labels;
 
@@ -242,7 +242,7 @@ pub(super) struct GltfContents<'a> {
     /// Number of polygons.
     pub(super) polygons: u128,
     /// The unit and the up axis of coordinates.
-    pub(super) frame: Frame,
+    pub(super) coordinate_system: CoordinateSystem,
     /// The attachments of the mesh.
     pub(super) attachments: &'a Attachments,
     /// Number of faces of the input.
@@ -259,7 +259,7 @@ impl<'a> GltfContents<'a> {
         Self {
             kind: counts.kind,
             polygons: counts.polygons,
-            frame: counts.frame,
+            coordinate_system: counts.coordinate_system,
             attachments: &counts.attachments,
             input_faces: counts.input_faces,
             ids: counts.kind == ShapeKind::Mesh && options.flag("ids"),
@@ -282,11 +282,11 @@ impl<'a> GltfContents<'a> {
             ShapeKind::Mesh => 1_536,
             ShapeKind::Curves { .. } => total(&[(768, 1), (384, self.polygons)]),
         };
-        let framed = if self.frame.is_default() { 0 } else { 256 };
+        let oriented = if self.coordinate_system.is_default() { 0 } else { 256 };
         let targets = self.targets.saturating_mul(TARGET_BYTES) + if self.targets > 0 { ANIMATION_BYTES } else { 0 };
         let plain = total(&[(plain, 1), (targets, 1)]);
         if self.attachments.is_empty() && !self.ids {
-            return plain + framed;
+            return plain + oriented;
         }
         let Attachments { channels, groups, materials, looks, uvs, unfolded: _ } = self.attachments;
         let name_bytes: usize = channels.iter().map(|channel| channel.name.len()).sum();
@@ -298,7 +298,7 @@ impl<'a> GltfContents<'a> {
         let group = if groups.is_empty() { 0 } else { GROUP_ENTRY_BYTES + 2 * longest(&groups.names) };
         let part = 768 + names + 16 * channels + labels + group + self.targets.saturating_mul(TARGET_OF_PART);
         let looks = gltf_looks::room(looks);
-        let room = total(&[(plain + framed, 1), (512, 1), (384, channels), (part, parts), (looks, 1)]);
+        let room = total(&[(plain + oriented, 1), (512, 1), (384, channels), (part, parts), (looks, 1)]);
         room.saturating_add(3) / 4 * 4
     }
 }

@@ -17,7 +17,7 @@ use crate::output::hard_edges::HardEdges;
 use crate::output::normals;
 use crate::output::numbers::{as_written, f32_bytes, index_bytes, rounded};
 use crate::output::positions::{Positions, channels_within_f32};
-use crate::output::scene::{FaceChunk, Frame, MeshSource, Scene, Shape, in_chunks, triangles};
+use crate::output::scene::{CoordinateSystem, FaceChunk, MeshSource, Scene, Shape, in_chunks, triangles};
 use crate::output::stream::{ROWS_PER_BLOCK, Stream};
 use crate::output::vertex_sides::{Sides, SplitSides};
 use crate::shape::attachments::Attachments;
@@ -43,7 +43,7 @@ pub(super) struct Buffer<'a> {
     /// added again without loss.
     pub(super) center: [f64; 3],
     /// The unit and the up axis of coordinates.
-    pub(super) frame: Frame,
+    pub(super) coordinate_system: CoordinateSystem,
     /// The amounts of all kinds of data.
     pub(super) amounts: Amounts,
 }
@@ -140,7 +140,7 @@ impl<'a> Buffer<'a> {
             }
             None => Vec::new(),
         };
-        Ok(Self { mesh, smooth, parts, faces, targets, center, frame: scene.frame, amounts })
+        Ok(Self { mesh, smooth, parts, faces, targets, center, coordinate_system: scene.coordinate_system, amounts })
     }
 
     /// Returns the attachments of the mesh.
@@ -153,7 +153,7 @@ impl<'a> Buffer<'a> {
         GltfContents {
             kind: if self.is_mesh() { ShapeKind::Mesh } else { ShapeKind::Curves { dimension: 3 } },
             polygons: self.parts.len() as u128,
-            frame: self.frame,
+            coordinate_system: self.coordinate_system,
             attachments: self.attachments(),
             input_faces: self.mesh.map_or(0, |mesh| mesh.input_cells()[2]),
             ids: self.amounts.ids,

@@ -22,7 +22,7 @@ use crate::output::gltf_views::{CHANNEL_NUMBER_BYTES, Views, accessor, length};
 use crate::output::hard_edges::CREASE_ANGLE;
 use crate::output::numbers::rounded;
 use crate::output::options::{IDS, POSITIONS};
-use crate::shape::frame::{Frame, Unit, Up};
+use crate::shape::coordinate_system::{CoordinateSystem, Unit, Up};
 use crate::shape::topology::index;
 
 /// Linear base colour of curves.
@@ -85,7 +85,7 @@ pub(super) fn model(buffer: &Buffer<'_>) -> Result<Root, FormatError> {
     if !root.meshes.is_empty() {
         root.buffers = vec![buffer_of(buffer.amounts.bytes())];
     }
-    root.nodes = framed(node, buffer.frame);
+    root.nodes = oriented(node, buffer.coordinate_system);
     let first = root.nodes.len();
     if let Some(node) = root.nodes.last_mut().filter(|_| !groups.is_empty()) {
         node.children = Some((first..first + groups.len()).map(|child| Index::new(index(child))).collect());
@@ -140,16 +140,16 @@ fn translation(buffer: &Buffer<'_>) -> Option<[f32; 3]> {
 /// Returns the node, turned so that y is up and scaled to metres. A node with a translation stays unchanged below
 /// another one that turns and scales, so that its translation remains exact. The rotation is a matrix, whose entries
 /// are exact: those of a quaternion are not, and far models would move because its length is not exactly 1.
-fn framed(mut node: Node, frame: Frame) -> Vec<Node> {
-    if frame.is_default() {
+fn oriented(mut node: Node, coordinate_system: CoordinateSystem) -> Vec<Node> {
+    if coordinate_system.is_default() {
         return vec![node];
     }
-    let metres = rounded(frame.unit.metres());
+    let metres = rounded(coordinate_system.unit.metres());
     // a quarter turn about x brings z to y; columns one after another
     let turned = [metres, 0., 0., 0., 0., 0., -metres, 0., 0., metres, 0., 0., 0., 0., 0., 1.];
-    let (matrix, scale) = match frame.up {
+    let (matrix, scale) = match coordinate_system.up {
         Up::Z => (Some(turned), None),
-        Up::Y => (None, (frame.unit != Unit::Metre).then_some([metres; 3])),
+        Up::Y => (None, (coordinate_system.unit != Unit::Metre).then_some([metres; 3])),
     };
     if node.translation.is_none() {
         return vec![Node { matrix, scale, ..node }];

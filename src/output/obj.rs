@@ -15,7 +15,7 @@ use crate::output::normals;
 use crate::output::numbers::{REAL_BYTES, digits, real, total, whole};
 use crate::output::options::{IDS, POSITIONS};
 use crate::output::positions::Positions;
-use crate::output::scene::{Curve, FaceChunk, Frame, MeshSource, Scene, Shape};
+use crate::output::scene::{CoordinateSystem, Curve, FaceChunk, MeshSource, Scene, Shape};
 use crate::output::size::Size;
 use crate::output::split_vertices::SplitVertices;
 use crate::output::stream::{Stream, holds_space};
@@ -41,8 +41,9 @@ pub const WITHOUT_LIBRARY: &str = "how materials look is left out, as no library
                                    mtl, too, or ask for glb";
 
 /// Returns the first lines: the program, the unit and up axis of coordinates, and the library of materials.
-fn header(frame: Frame, options: &Values) -> String {
-    let remarks = ["planish".to_owned()].into_iter().chain(frame.remarks()).map(|remark| format!("# {remark}\n"));
+fn header(coordinate_system: CoordinateSystem, options: &Values) -> String {
+    let remarks =
+        ["planish".to_owned()].into_iter().chain(coordinate_system.remarks()).map(|remark| format!("# {remark}\n"));
     let library = options.name(LIBRARY.name).map(|name| format!("mtllib {name}\n"));
     remarks.chain(library).collect::<Vec<_>>().concat()
 }
@@ -99,7 +100,7 @@ impl Format for Obj {
         watch: &Watch,
     ) -> Result<(), FormatError> {
         let mut stream = Stream::new(out, watch);
-        stream.bytes(header(scene.frame, options).as_bytes())?;
+        stream.bytes(header(scene.coordinate_system, options).as_bytes())?;
         match scene.shape {
             Shape::Curves(curves) => write_curves(curves, &mut stream),
             Shape::Mesh(mesh) => {
@@ -147,7 +148,7 @@ impl Costs for Obj {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         let index = digits(counts.vertices);
         let row = 3 * (1 + REAL_BYTES);
-        let header = header(counts.frame, options).len() as u128;
+        let header = header(counts.coordinate_system, options).len() as u128;
         Size::AtMost(match counts.kind {
             ShapeKind::Curves { .. } => total(&[
                 (1, header),

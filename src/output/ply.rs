@@ -18,7 +18,7 @@ use crate::output::normals;
 use crate::output::numbers::{digits, total};
 use crate::output::options::{IDS, POSITIONS};
 use crate::output::positions::{Positions, channels_within_f32};
-use crate::output::scene::{Curve, Frame, MeshSource, Scene, Shape};
+use crate::output::scene::{CoordinateSystem, Curve, MeshSource, Scene, Shape};
 use crate::output::size::Size;
 use crate::output::stream::{Stream, holds_space};
 use crate::output::surface::NORMALS;
@@ -76,8 +76,10 @@ impl Format for Ply {
     ) -> Result<(), FormatError> {
         let mut stream = Stream::new(out, watch);
         match scene.shape {
-            Shape::Mesh(mesh) => write_mesh(mesh, scene.frame, PlyLayout::of(options), &mut stream, watch),
-            Shape::Curves(curves) => write_curves(curves, scene.frame, PlyLayout::of_curves(options), &mut stream),
+            Shape::Mesh(mesh) => write_mesh(mesh, scene.coordinate_system, PlyLayout::of(options), &mut stream, watch),
+            Shape::Curves(curves) => {
+                write_curves(curves, scene.coordinate_system, PlyLayout::of_curves(options), &mut stream)
+            }
         }
     }
 }
@@ -120,7 +122,7 @@ fn mesh_size(counts: &Counts, layout: PlyLayout) -> Size {
     let attachments = &counts.attachments;
     let split_vertices = if layout.normals { counts.split_vertices } else { 0 };
     let vertices = vertices.saturating_add(split_vertices);
-    let header = mesh_header(vertices, counts.faces, counts.frame, attachments, layout).len() as u128;
+    let header = mesh_header(vertices, counts.faces, counts.coordinate_system, attachments, layout).len() as u128;
     let (carried, of_face) =
         carried::bytes(attachments, layout, counts.half_edges.max(vertices).max(counts.input_faces as u128));
     let (face, corner) = match layout.encoding {
@@ -134,30 +136,36 @@ fn mesh_size(counts: &Counts, layout: PlyLayout) -> Size {
 }
 
 fn curves_size(counts: &Counts, layout: PlyLayout) -> u128 {
-    let header = curves_header(counts.vertices, counts.vertices, counts.frame, layout).len() as u128;
+    let header = curves_header(counts.vertices, counts.vertices, counts.coordinate_system, layout).len() as u128;
     let index = if layout.encoding == PlyEncoding::Ascii { digits(counts.vertices) + 1 } else { 4 };
     total(&[(1, header), (counts.vertices, layout.vertex_bytes()), (counts.vertices, 2 * index)])
 }
 
-fn mesh_header(vertices: u128, faces: u128, frame: Frame, attachments: &Attachments, layout: PlyLayout) -> String {
+fn mesh_header(
+    vertices: u128,
+    faces: u128,
+    coordinate_system: CoordinateSystem,
+    attachments: &Attachments,
+    layout: PlyLayout,
+) -> String {
     let size = if layout.encoding == PlyEncoding::Uint { "uint" } else { "uchar" };
     let list = format!("property list {size} {} vertex_indices", index_type(vertices));
-    let remarks = remarks(frame) + &carried::remarks(attachments);
+    let remarks = remarks(coordinate_system) + &carried::remarks(attachments);
     let of_vertices = vertex_header(vertices, &remarks, layout) + &carried::vertex_properties(attachments, layout);
     let of_faces = carried::face_properties(attachments, layout);
     format!("{of_vertices}element face {faces}\n{list}\n{of_faces}end_header\n")
 }
 
-fn curves_header(vertices: u128, edges: u128, frame: Frame, layout: PlyLayout) -> String {
+fn curves_header(vertices: u128, edges: u128, coordinate_system: CoordinateSystem, layout: PlyLayout) -> String {
     let index = index_type(vertices);
     let ends = format!("property {index} vertex1\nproperty {index} vertex2");
-    let of_vertices = vertex_header(vertices, &remarks(frame), layout);
+    let of_vertices = vertex_header(vertices, &remarks(coordinate_system), layout);
     format!("{of_vertices}element edge {edges}\n{ends}\nend_header\n")
 }
 
 /// Returns the lines of the header with unit and up axis.
-fn remarks(frame: Frame) -> String {
-    frame.remarks().iter().map(|remark| format!("comment {remark}\n")).collect::<Vec<_>>().concat()
+fn remarks(coordinate_system: CoordinateSystem) -> String {
+    coordinate_system.remarks().iter().map(|remark| format!("comment {remark}\n")).collect::<Vec<_>>().concat()
 }
 
 fn vertex_header(vertices: u128, remarks: &str, layout: PlyLayout) -> String {
@@ -174,7 +182,7 @@ fn index_type(vertices: u128) -> &'static str {
 
 fn write_mesh(
     whole: &dyn MeshSource,
-    frame: Frame,
+    coordinate_system: CoordinateSystem,
     layout: PlyLayout,
     stream: &mut Stream<'_>,
     watch: &Watch,
@@ -186,7 +194,7 @@ fn write_mesh(
         channels_within_f32(mesh, watch)?;
     }
     let (vertices, faces) = (mesh.n_vertices() as u128, mesh.n_faces() as u128);
-    stream.bytes(mesh_header(vertices, faces, frame, mesh.attachments(), layout).as_bytes())?;
+    stream.bytes(mesh_header(vertices, faces, coordinate_system, mesh.attachments(), layout).as_bytes())?;
     let positions = within(Positions::of_mesh(mesh), layout);
     let (positions, normals) = if layout.normals {
         let positions = positions.held(watch)?;
@@ -250,13 +258,18 @@ fn check_face(size: u128, layout: PlyLayout) -> Result<(), String> {
     ))
 }
 
-fn write_curves(curves: &[Curve], frame: Frame, layout: PlyLayout, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+fn write_curves(
+    curves: &[Curve],
+    coordinate_system: CoordinateSystem,
+    layout: PlyLayout,
+    stream: &mut Stream<'_>,
+) -> Result<(), FormatError> {
     let n_vertices: usize = curves.iter().map(Curve::len).sum();
     let n_edges: usize = curves.iter().map(edges_of).sum();
     if u32::try_from(n_vertices).is_err() {
         return Err(FormatError::Unfit(format!("{n_vertices} points, ply numbers at most {}; ask for json", u32::MAX)));
     }
-    stream.bytes(curves_header(n_vertices as u128, n_edges as u128, frame, layout).as_bytes())?;
+    stream.bytes(curves_header(n_vertices as u128, n_edges as u128, coordinate_system, layout).as_bytes())?;
     for curve in curves {
         let positions = within(Positions::of_curve(curve), layout);
         stream.positions(&positions, |_, rows, out| {

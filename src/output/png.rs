@@ -24,7 +24,7 @@ use crate::output::picture::plot::{self, LEGEND, TEXT_SIZE, TITLE, X_LABEL, Y_LA
 use crate::output::picture::shading::{self, SHADING, STRIPE_DIRECTION, STRIPES};
 use crate::output::picture::styles::STYLES;
 use crate::output::picture::{self, forecast, lines, look, meanings, mesh};
-use crate::output::scene::{Frame, Scene, Shape};
+use crate::output::scene::{CoordinateSystem, Scene, Shape};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
@@ -136,12 +136,12 @@ impl Format for Png {
         FACTS
     }
 
-    fn side_px(&self, outline: &Outline, frame: Frame, options: &Values) -> Option<f64> {
-        Some(outline::side_px(outline, &Options::new(options, frame)))
+    fn side_px(&self, outline: &Outline, coordinate_system: CoordinateSystem, options: &Values) -> Option<f64> {
+        Some(outline::side_px(outline, &Options::new(options, coordinate_system)))
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
-        let options = Options::new(values, scene.frame);
+        let options = Options::new(values, scene.coordinate_system);
         let pixels = pixels(scene, values, watch)?;
         watch.check()?;
         watch.enter(Stage::Encode);
@@ -198,7 +198,8 @@ impl Costs for Png {
     }
 
     fn work(&self, mesh: Option<&Mesh>, counts: &Counts, options: &Values) -> u128 {
-        let drawn = mesh.map_or(0, |mesh| forecast::work(mesh, counts, &Options::new(options, counts.frame)));
+        let drawn =
+            mesh.map_or(0, |mesh| forecast::work(mesh, counts, &Options::new(options, counts.coordinate_system)));
         let [width, height] = options::size(options).map(u128::from);
         let looks = look::work(options, counts, width * height);
         drawn.saturating_add(looks).saturating_add(coat::work(&counts.attachments, options))
@@ -216,7 +217,7 @@ pub(super) fn bytes(size: [u32; 2]) -> Size {
 
 /// Renders a scene. Returns the rows of pixels from the top, with red, green, blue and straight alpha.
 pub(super) fn pixels(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<Vec<u8>, FormatError> {
-    let options = Options::new(values, scene.frame);
+    let options = Options::new(values, scene.coordinate_system);
     watch.enter(Stage::Render);
     options::check_extent(scene)?;
     match scene.shape {

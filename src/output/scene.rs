@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::math::parameter::Values;
 use crate::scheme::plan::Plan;
-pub use crate::shape::frame::Frame;
+pub use crate::shape::coordinate_system::CoordinateSystem;
 use crate::shape::mesh::Mesh;
 pub use crate::shape::source::{Curve, FaceChunk, MeshSource, OnDemandSource, Origin};
 use crate::shape::weights::Weights;
@@ -28,7 +28,7 @@ pub struct Scene<'a> {
     /// Warnings about the result for the client, in sentences.
     pub warnings: &'a [String],
     /// The unit and the up axis of coordinates.
-    pub frame: Frame,
+    pub coordinate_system: CoordinateSystem,
     /// Warnings that writers add while they write.
     pub notes: &'a Notes,
     /// The weights by which points are made, for formats that write them.

@@ -6,7 +6,7 @@ use crate::output::counts::Counts;
 use crate::output::error::FormatError;
 use crate::output::scene::Scene;
 use crate::scheme::plan::Plan;
-use crate::shape::frame::Unit;
+use crate::shape::coordinate_system::Unit;
 use crate::shape::labels::by_labels;
 use crate::shape::mesh::Mesh;
 use crate::solid::{Continuity, Pack, Solid, SolidError, SolidForecast, SolidRequest, check, operations, solid};
@@ -85,7 +85,7 @@ pub(super) fn request(options: &Values, unit: Unit) -> SolidRequest {
 
 /// Returns upper bounds of the solid of a cage under these options.
 pub(super) fn forecast(counts: &Counts, options: &Values) -> SolidForecast {
-    counts.cage.forecast(&request(options, counts.frame.unit))
+    counts.cage.forecast(&request(options, counts.coordinate_system.unit))
 }
 
 /// Returns the work of building the solid of a mesh, in rows of a table, 100 ns each.
@@ -113,7 +113,7 @@ pub(super) fn solid_of(scene: &Scene<'_>, options: &Values, watch: &Watch) -> Re
     for (label, part) in (0..).zip(by_labels(&carried.groups, &carried.materials, n_faces)) {
         part.runs.into_iter().flatten().for_each(|f| labels[f as usize] = label);
     }
-    solid(mesh, plan, &request(options, scene.frame.unit), &labels, watch).map_err(|error| match error {
+    solid(mesh, plan, &request(options, scene.coordinate_system.unit), &labels, watch).map_err(|error| match error {
         SolidError::Stopped(stopped) => FormatError::Stopped(stopped),
         SolidError::Unfit(fault) => FormatError::Impossible(fault),
     })

@@ -58,8 +58,8 @@ impl Format for StepFormat {
         out.line("ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');")?;
         out.line("FILE_NAME('','',(''),(''),'planish','planish','');")?;
         out.line(&format!("FILE_SCHEMA(('{}'));\nENDSEC;\nDATA;", product::SCHEMA))?;
-        let accuracy = (1e-9 / scene.frame.unit.metres()).min(1e-7 * solid.certificate.size);
-        let product = product::product(&mut out, scene.frame.unit, accuracy)?;
+        let accuracy = (1e-9 / scene.coordinate_system.unit.metres()).min(1e-7 * solid.certificate.size);
+        let product = product::product(&mut out, scene.coordinate_system.unit, accuracy)?;
         let faces = shape::faces(&mut out, &solid.brep, watch)?;
         if let Some(mesh) = scene.control.mesh() {
             looks::looks(&mut out, &mesh.attachments, (&solid.brep.faces, &faces), product)?;

@@ -19,11 +19,11 @@ use crate::output::left_out::{Datum, left_out};
 use crate::output::numbers::{REAL_BYTES, digits, real, total, whole};
 use crate::output::options::POSITIONS;
 use crate::output::positions::Positions;
-use crate::output::scene::{Frame, MeshSource, Scene, Shape, triangles};
+use crate::output::scene::{CoordinateSystem, MeshSource, Scene, Shape, triangles};
 use crate::output::size::Size;
 use crate::output::stream::Stream;
 use crate::shape::attachments::Attachments;
-use crate::shape::frame::{Unit, Up};
+use crate::shape::coordinate_system::{Unit, Up};
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
 use crate::watch::Watch;
@@ -106,8 +106,9 @@ impl Format for ThreeMf {
         package.file(types, |out| Ok::<_, FormatError>(out.write_all(TYPES.as_bytes())?))?;
         package.file(relations, |out| Ok::<_, FormatError>(out.write_all(RELATIONS.as_bytes())?))?;
         let has_components = options.choice(PARTS.name) == Some(COMPONENTS);
-        package
-            .file(model, |out| write_model(mesh, scene.frame, has_components, &mut Stream::new(out, watch), watch))?;
+        package.file(model, |out| {
+            write_model(mesh, scene.coordinate_system, has_components, &mut Stream::new(out, watch), watch)
+        })?;
         Ok(package.finish()?)
     }
 }
@@ -163,7 +164,7 @@ impl Costs for ThreeMf {
 
 fn write_model(
     mesh: &dyn MeshSource,
-    Frame { unit, up }: Frame,
+    CoordinateSystem { unit, up }: CoordinateSystem,
     has_components: bool,
     stream: &mut Stream<'_>,
     watch: &Watch,

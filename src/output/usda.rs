@@ -22,14 +22,14 @@ use crate::output::normals;
 use crate::output::numbers::{REAL_BYTES, digits, real, total, whole};
 use crate::output::options::{LIMIT, POSITIONS};
 use crate::output::positions::Positions;
-use crate::output::scene::{Frame, MeshSource, Scene, Shape};
+use crate::output::scene::{CoordinateSystem, MeshSource, Scene, Shape};
 use crate::output::size::Size;
 use crate::output::split_vertices::SplitVertices;
 use crate::output::stream::Stream;
 use crate::output::surface::{NORMALS, with_normals};
 use crate::shape::attachments::Attachments;
+use crate::shape::coordinate_system::Up;
 use crate::shape::creases::CreaseTags;
-use crate::shape::frame::Up;
 use crate::shape::labels::Labels;
 use crate::shape::looks::Look;
 use crate::shape::mesh::Mesh;
@@ -87,7 +87,7 @@ impl Format for Usda {
             return Err(FormatError::Unfit("usda holds meshes here; ask for json or obj".into()));
         };
         let mut stream = Stream::new(out, watch);
-        stream.bytes(header(scene.frame).as_bytes())?;
+        stream.bytes(header(scene.coordinate_system).as_bytes())?;
         let cage = cage(scene, mesh, options);
         if let Some(cage) = &cage {
             tell_differences(scene, cage);
@@ -142,7 +142,7 @@ fn tell_differences(scene: &Scene<'_>, cage: &UsdaCage<'_>) {
 }
 
 /// Returns the text before the mesh.
-fn header(Frame { unit, up }: Frame) -> String {
+fn header(CoordinateSystem { unit, up }: CoordinateSystem) -> String {
     let mut metres = Vec::new();
     real(&mut metres, unit.metres());
     let axis = if up == Up::Y { "Y" } else { "Z" };

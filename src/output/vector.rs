@@ -11,7 +11,7 @@ use crate::output::format::{Content, Costs, Format, FormatFacts, Paper, Requirem
 use crate::output::picture::options::Options;
 use crate::output::picture::outline::{self, Outline};
 use crate::output::picture::vector;
-use crate::output::scene::{Frame, Scene};
+use crate::output::scene::{CoordinateSystem, Scene};
 use crate::output::size::Size;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
@@ -58,8 +58,8 @@ impl Format for VectorFormat {
         self.facts
     }
 
-    fn side_px(&self, outline: &Outline, frame: Frame, options: &Values) -> Option<f64> {
-        Some(outline::side_px(outline, &Options::new(options, frame)))
+    fn side_px(&self, outline: &Outline, coordinate_system: CoordinateSystem, options: &Values) -> Option<f64> {
+        Some(outline::side_px(outline, &Options::new(options, coordinate_system)))
     }
 
     fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {

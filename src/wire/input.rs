@@ -15,7 +15,7 @@ use crate::input::{ReadLimits, Vertices};
 use crate::job::{Input, InputEntry};
 use crate::scheme::tags::Boundary;
 use crate::shape::check::{NonManifold, Winding};
-use crate::shape::frame::{Frame, Unit, Up};
+use crate::shape::coordinate_system::{CoordinateSystem, Unit, Up};
 use crate::shape::looks::Look;
 use crate::shape::mesh::{Mesh, MeshInput};
 
@@ -131,7 +131,7 @@ pub struct ResolvedInput {
     /// The boundary rule that the mesh file states, if any.
     pub boundary: Option<Boundary>,
     /// The unit and the up axis of the coordinates: from the request, else from the mesh file.
-    pub frame: Frame,
+    pub coordinate_system: CoordinateSystem,
 }
 
 impl InputRequest {
@@ -141,8 +141,11 @@ impl InputRequest {
     }
 
     /// Returns the unit and the up axis that the request states, else the defaults.
-    pub fn frame(&self) -> Frame {
-        Frame { unit: self.unit.map(Into::into).unwrap_or_default(), up: self.up.map(Into::into).unwrap_or_default() }
+    pub fn coordinate_system(&self) -> CoordinateSystem {
+        CoordinateSystem {
+            unit: self.unit.map(Into::into).unwrap_or_default(),
+            up: self.up.map(Into::into).unwrap_or_default(),
+        }
     }
 
     /// Whether exactly one kind of input is given.
@@ -170,14 +173,14 @@ impl InputRequest {
                           here give the file itself, as \"text\"";
             return Err(vec![Fault::new("/blob", detail)]);
         }
-        let frame = self.frame();
+        let coordinate_system = self.coordinate_system();
         let (text, file) = (self.text.take(), self.file.take());
         if let Some(mesh) = self.mesh.take() {
             let under = |found| under("/mesh", found);
             self.keeps_vertices(&mesh)?;
             let input = self.covered(mesh.input(self.winding()).map_err(under)?)?;
             let input = Input::Mesh(self.mesh(input, purpose)?.map_err(under)?);
-            return Ok(ResolvedInput { input, entry: InputEntry::Mesh, boundary: None, frame });
+            return Ok(ResolvedInput { input, entry: InputEntry::Mesh, boundary: None, coordinate_system });
         }
         let (place, entry) =
             if self.blob.is_some() { ("/blob", InputEntry::Blob) } else { ("/text", InputEntry::Text) };
@@ -187,7 +190,7 @@ impl InputRequest {
             _ => under(place, found),
         };
         if let Some(file) = text.map(TextRequest::file).transpose().map_err(|fault| in_text(vec![fault]))?.or(file) {
-            let MeshFileContent { mesh, boundary, lines, vertices, stated_frame: (unit, up) } =
+            let MeshFileContent { mesh, boundary, lines, vertices, stated_system: (unit, up) } =
                 file.read(self.winding(), limits).map_err(in_text)?;
             let is_split = vertices == Vertices::Joined && self.weld == Some(WeldRequest::Never);
             let mesh = self.covered(if is_split { mesh.with_split_corners() } else { mesh })?;
@@ -211,16 +214,26 @@ impl InputRequest {
             let mesh = self.mesh(mesh, purpose)?.map_err(|found| in_text(within(of_joined(found), &lines)))?;
             let unit = self.unit.map(Into::into).or(unit).unwrap_or_default();
             let up = self.up.map(Into::into).or(up).unwrap_or_default();
-            return Ok(ResolvedInput { input: Input::Mesh(mesh), entry, boundary, frame: Frame { unit, up } });
+            return Ok(ResolvedInput {
+                input: Input::Mesh(mesh),
+                entry,
+                boundary,
+                coordinate_system: CoordinateSystem { unit, up },
+            });
         }
         self.has_no_mesh()?;
         if let Some(polygon) = self.polygon {
             let polygon = polygon.resolve().map_err(|found| under("/polygon", found))?;
             let input = Input::Polygons(vec![polygon]);
-            return Ok(ResolvedInput { input, entry: InputEntry::Polygon, boundary: None, frame });
+            return Ok(ResolvedInput { input, entry: InputEntry::Polygon, boundary: None, coordinate_system });
         }
         let polygons = polygons(self.polygons.unwrap_or_default()).map_err(|found| under("/polygons", found))?;
-        Ok(ResolvedInput { input: Input::Polygons(polygons), entry: InputEntry::Polygons, boundary: None, frame })
+        Ok(ResolvedInput {
+            input: Input::Polygons(polygons),
+            entry: InputEntry::Polygons,
+            boundary: None,
+            coordinate_system,
+        })
     }
 
     fn winding(&self) -> Winding {

@@ -356,8 +356,8 @@ impl JobParts {
     fn draft(self) -> Result<Draft, Vec<Fault>> {
         let Self { mut faults, kind, input, plan, levels, outputs, other } = self;
         let found = match (input, kind) {
-            (Some(ResolvedInput { input, entry, frame, .. }), _) => {
-                match Draft::new((input, entry, frame), plan.as_ref(), levels, outputs, other) {
+            (Some(ResolvedInput { input, entry, coordinate_system, .. }), _) => {
+                match Draft::new((input, entry, coordinate_system), plan.as_ref(), levels, outputs, other) {
                     Ok(draft) if faults.is_empty() => return Ok(draft),
                     Ok(_) => Vec::new(),
                     Err(found) => found,

@@ -13,7 +13,7 @@ use crate::fault::{Fault, did_you_mean, shortened};
 use crate::input::{self, Alone, Beside, InputFile, ReadLimits, Vertices, WithLibrary};
 use crate::scheme::tags::Boundary;
 use crate::shape::check::Winding;
-use crate::shape::frame::{Unit, Up};
+use crate::shape::coordinate_system::{Unit, Up};
 use crate::shape::mesh::MeshInput;
 
 /// A mesh file within the job.
@@ -64,7 +64,7 @@ pub(super) struct MeshFileContent {
     /// The corners that share a vertex in the file.
     pub(super) vertices: Vertices,
     /// The unit and the up axis that the file states, if any.
-    pub(super) stated_frame: (Option<Unit>, Option<Up>),
+    pub(super) stated_system: (Option<Unit>, Option<Up>),
 }
 
 impl TextRequest {
@@ -127,7 +127,7 @@ impl MeshFile {
                 boundary: None,
                 lines: Vec::new(),
                 vertices: Vertices::Shared,
-                stated_frame: (None, None),
+                stated_system: (None, None),
             });
         }
         let Some(reader) = input::named(&self.format) else {
@@ -145,8 +145,8 @@ impl MeshFile {
         }
         let (boundary, lines) = (mesh.boundary, std::mem::take(&mut mesh.lines));
         let vertices = mesh.vertices.unwrap_or(reader.vertices);
-        let stated_frame = (mesh.unit, mesh.up);
-        Ok(MeshFileContent { mesh: mesh.into_input(winding), boundary, lines, vertices, stated_frame })
+        let stated_system = (mesh.unit, mesh.up);
+        Ok(MeshFileContent { mesh: mesh.into_input(winding), boundary, lines, vertices, stated_system })
     }
 }
 

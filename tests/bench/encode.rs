@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use planish::math::parameter::{Literal, Values};
-use planish::output::scene::{Frame, Notes, Scene, Shape};
+use planish::output::scene::{CoordinateSystem, Notes, Scene, Shape};
 use planish::refine::RefinedMesh;
 use planish::shape::source::MeshSource;
 use planish::watch::Watch;
@@ -40,7 +40,7 @@ fn written(mesh: &RefinedMesh, (name, option): (&str, Option<(&str, &str)>), tab
         shape: Shape::Mesh(mesh),
         control: &Shape::Mesh(mesh),
         warnings: &[],
-        frame: Frame::default(),
+        coordinate_system: CoordinateSystem::default(),
         notes: &Notes::default(),
         weights: None,
         details: &[],

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use planish::math::parameter::{Literal, Values};
 use planish::output::normals;
-use planish::output::scene::{FaceChunk, Frame, Notes, Scene, Shape, triangles};
+use planish::output::scene::{CoordinateSystem, FaceChunk, Notes, Scene, Shape, triangles};
 use planish::raster::{Camera, Ground, Model, RenderStyle, ShadingNormals, TriangleAppearance, View, render};
 use planish::refine::RefinedMesh;
 use planish::shape::source::MeshSource;
@@ -74,7 +74,7 @@ fn written(mesh: &RefinedMesh) -> (Duration, Duration, usize) {
         shape: Shape::Mesh(mesh),
         control: &Shape::Mesh(mesh),
         warnings: &[],
-        frame: Frame::default(),
+        coordinate_system: CoordinateSystem::default(),
         notes: &Notes::default(),
         weights: None,
         details: &[],

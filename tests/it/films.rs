@@ -8,7 +8,7 @@ use planish::job::limits::Limits;
 use planish::job::{RunError, run};
 use planish::output::figure::FigureExtent;
 use planish::output::film::shots;
-use planish::output::scene::Frame;
+use planish::output::scene::CoordinateSystem;
 use planish::watch::Watch;
 use serde_json::{Value, json};
 
@@ -51,7 +51,7 @@ fn the_frames_of_a_turntable_are_the_pictures_from_their_places() {
         let found = frames(&bytes(&job));
         assert_eq!(found.len(), 5);
         let options = parsed(job.to_string().as_bytes()).expect("a job").outputs[0].options.clone();
-        for (k, shot) in shots(&options, &FigureExtent::default(), Frame::default()).iter().enumerate() {
+        for (k, shot) in shots(&options, &FigureExtent::default(), CoordinateSystem::default()).iter().enumerate() {
             let seen = shot.group("camera").expect("a camera");
             let mut camera = job["outputs"][0]["camera"].clone();
             camera["azimuth_deg"] = json!(72.0 * f64::from(u8::try_from(k).expect("few frames")));
@@ -71,7 +71,7 @@ fn the_frames_of_a_turntable_are_the_pictures_from_their_places() {
 #[test]
 fn the_eye_goes_around_at_one_distance_and_sees_everything_all_the_way() {
     let options = parsed(turntable("perspective").to_string().as_bytes()).expect("a job").outputs[0].options.clone();
-    let shots = shots(&options, &FigureExtent::default(), Frame::default());
+    let shots = shots(&options, &FigureExtent::default(), CoordinateSystem::default());
     let distances: Vec<f64> = shots
         .iter()
         .map(|shot| shot.group("camera").and_then(|camera| camera.vector("eye")).expect("an eye"))

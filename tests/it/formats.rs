@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use planish::math::parameter::{Literal, Values};
-use planish::output::scene::{Curve, FaceChunk, Frame, MeshSource, Notes, Scene, Shape, in_chunks};
+use planish::output::scene::{CoordinateSystem, Curve, FaceChunk, MeshSource, Notes, Scene, Shape, in_chunks};
 use planish::output::{Counts, Format, FormatError, ShapeKind, Size, named};
 use planish::shape::source::{CarriedSource, OriginSource};
 use planish::solid::CageCounts;
@@ -136,7 +136,7 @@ fn attempt(format: &dyn Format, options: &Values, shape: Shape<'_>) -> Result<Ve
             shape,
             control: &shape,
             warnings: &[],
-            frame: Frame::default(),
+            coordinate_system: CoordinateSystem::default(),
             notes: &Notes::default(),
             weights: None,
             details: &[],
@@ -325,7 +325,7 @@ fn json_carries_warnings_as_far_as_its_forecast_allows() {
                 shape,
                 control: &shape,
                 warnings: &warnings,
-                frame: Frame::default(),
+                coordinate_system: CoordinateSystem::default(),
                 notes: &Notes::default(),
                 weights: None,
                 details: &[],
@@ -430,7 +430,7 @@ fn a_stopped_watch_and_a_full_disk_end_every_writer() {
         shape,
         control: &shape,
         warnings: &[],
-        frame: Frame::default(),
+        coordinate_system: CoordinateSystem::default(),
         notes: &Notes::default(),
         weights: None,
         details: &[],

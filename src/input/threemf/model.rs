@@ -8,7 +8,7 @@ use crate::input::reader::ReadLimits;
 use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::{count, number, quoted};
 use crate::input::transform::Transform;
-use crate::shape::frame::Unit;
+use crate::shape::coordinate_system::Unit;
 use crate::shape::topology::index;
 
 /// Bytes of memory of a vertex, of a triangle, of a change of looks, of a property, of a colour and of an object, each

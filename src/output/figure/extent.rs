@@ -32,7 +32,7 @@ impl FigureExtent {
     /// # Errors
     /// When the watch says stop.
     pub fn add(&mut self, scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<(), FormatError> {
-        let options = Options::new(values, scene.frame);
+        let options = Options::new(values, scene.coordinate_system);
         let (shows_shape, shows_control) = match scene.shape {
             Shape::Curves(_) => {
                 let shows = |items: &[&str]| items.iter().any(|item| options.shows(item, &["curve", "control"]));

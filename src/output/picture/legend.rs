@@ -115,7 +115,7 @@ fn font_px(options: &Options<'_>) -> f32 {
 
 /// Returns the title of the bar: the quantity, with its unit.
 fn title(carried: &Attachments, options: &Options<'_>) -> String {
-    let unit = options.frame.unit.name();
+    let unit = options.coordinate_system.unit.name();
     match shading::measure(options.values) {
         Some(ShadedQuantity::Gaussian) => format!("Gaussian, 1/{unit}^2"),
         Some(ShadedQuantity::Mean) => format!("mean, 1/{unit}"),

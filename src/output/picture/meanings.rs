@@ -10,7 +10,7 @@ use crate::math::parameter::Values;
 use crate::output::colors::{byte, encoded, mark};
 use crate::output::counts::ShapeKind;
 use crate::shape::attachments::Attachments;
-use crate::shape::frame::Frame;
+use crate::shape::coordinate_system::CoordinateSystem;
 use crate::shape::labels::Labels;
 use crate::shape::topology::NONE;
 
@@ -47,7 +47,7 @@ pub(super) fn entries(carried: &Attachments, options: &Options<'_>) -> Vec<Legen
 
 /// Refuses a legend without entries.
 pub(crate) fn check(kind: ShapeKind, carried: &Attachments, values: &Values) -> Result<(), Fault> {
-    let has_no_entries = || entries(carried, &Options::new(values, Frame::default())).is_empty();
+    let has_no_entries = || entries(carried, &Options::new(values, CoordinateSystem::default())).is_empty();
     if kind == ShapeKind::Mesh && values.has("show", LEGEND_ITEM) && has_no_entries() {
         let detail = "there is nothing that a \"legend\" could explain: it tells the names of groups or materials that \
                       \"color_by\" shows, the colours of normals, and what lines and dots are";

@@ -7,7 +7,7 @@ use crate::output::colors::linear;
 use crate::output::counts::ShapeKind;
 use crate::output::error::FormatError;
 use crate::output::numbers::rounded;
-use crate::output::scene::{Frame, Scene, Shape, in_chunks};
+use crate::output::scene::{CoordinateSystem, Scene, Shape, in_chunks};
 use crate::output::surface::NORMALS;
 use crate::raster::{Ground, MAX_SIDE_PX, Projection, RenderStyle, View};
 
@@ -231,7 +231,7 @@ pub(crate) fn opaque(options: &Values) -> Result<(), Fault> {
 pub(crate) struct Options<'a> {
     pub(super) values: &'a Values,
     /// The unit and the up axis of coordinates.
-    pub(crate) frame: Frame,
+    pub(crate) coordinate_system: CoordinateSystem,
     /// Width and height, pixels.
     pub(crate) size: [u32; 2],
     /// The background in straight sRGB and alpha.
@@ -240,8 +240,13 @@ pub(crate) struct Options<'a> {
 
 impl<'a> Options<'a> {
     /// Reads resolved values of the parameters of pictures.
-    pub(crate) fn new(values: &'a Values, frame: Frame) -> Self {
-        Self { values, frame, size: size(values), background: values.color("background").unwrap_or([255; 4]) }
+    pub(crate) fn new(values: &'a Values, coordinate_system: CoordinateSystem) -> Self {
+        Self {
+            values,
+            coordinate_system,
+            size: size(values),
+            background: values.color("background").unwrap_or([255; 4]),
+        }
     }
 
     /// Returns whether `item` is shown, by the request or, if it has no "show", by `default`.
@@ -338,7 +343,7 @@ impl<'a> Options<'a> {
             zoom: number("zoom", 1.0),
             eye: camera.vector("eye"),
             target: camera.vector("target"),
-            up: camera.vector("up").unwrap_or(self.frame.up.direction()),
+            up: camera.vector("up").unwrap_or(self.coordinate_system.up.direction()),
         }
     }
 }

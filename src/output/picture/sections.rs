@@ -28,7 +28,7 @@ pub(crate) fn drawing(
     watch: &Watch,
 ) -> Result<Drawing, FormatError> {
     let positions = Positions::of_mesh(mesh).held(watch)?;
-    let up = options.frame.up.direction();
+    let up = options.coordinate_system.up.direction();
     let mut drawn = Vec::with_capacity(planes.len());
     for plane in planes {
         drawn.push(flat(&section(mesh, positions.rows(), plane, watch)?, axes(plane.normal, up)));

@@ -127,7 +127,7 @@ pub(super) fn finish(options: &Options<'_>, right: [f64; 3]) -> Option<Finish> {
     if let Some((_, pattern, usual)) = pattern(options.values) {
         let given = options.values.integer(STRIPES.name).and_then(|n| u16::try_from(n).ok());
         let along_picture = pattern == StripePattern::ReflectionLines;
-        let axis = if along_picture { right } else { options.frame.up.direction() };
+        let axis = if along_picture { right } else { options.coordinate_system.up.direction() };
         return Some(Finish::Stripes(Stripes {
             pattern,
             axis: options.values.vector(STRIPE_DIRECTION.name).unwrap_or(axis),

@@ -170,7 +170,7 @@ pub(crate) fn draw(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<
         options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
     }
     options::check_extent(scene)?;
-    let options = Options::new(values, scene.frame);
+    let options = Options::new(values, scene.coordinate_system);
     match scene.shape {
         Shape::Mesh(mesh) if !asked(values) => hidden_lines::drawing(scene, mesh, &options, watch),
         Shape::Mesh(mesh) => sections::drawing(mesh, &planes(values), &options, watch),

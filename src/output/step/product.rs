@@ -2,7 +2,7 @@
 
 use super::entities::{Entities, Id, Real};
 use crate::output::error::FormatError;
-use crate::shape::frame::Unit;
+use crate::shape::coordinate_system::Unit;
 
 /// The schema: application protocol 242, edition 1.
 pub(super) const SCHEMA: &str = "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }";

@@ -6,7 +6,7 @@ use std::io::Write;
 use flate2::write::DeflateEncoder;
 use flate2::{Compression, Crc};
 use planish::input::{ReadLimits, named};
-use planish::shape::frame::{Unit, Up};
+use planish::shape::coordinate_system::{Unit, Up};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 

@@ -3,7 +3,7 @@
 
 use planish::input::{ReadLimits, named};
 use planish::scheme::tags::Boundary;
-use planish::shape::frame::{Unit, Up};
+use planish::shape::coordinate_system::{Unit, Up};
 use planish::shape::seams::Interpolation;
 use serde_json::{Value, json};
 

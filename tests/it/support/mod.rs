@@ -9,7 +9,7 @@ use std::sync::Arc;
 use planish::fault::Fault;
 use planish::job::limits::{Limits, Refusal};
 use planish::job::{Job, Report, RunError, run};
-use planish::output::scene::Frame;
+use planish::output::scene::CoordinateSystem;
 use planish::output::{Counts, ShapeKind};
 use planish::solid::CageCounts;
 use planish::watch::Watch;
@@ -57,7 +57,7 @@ pub(crate) fn nothing(kind: ShapeKind) -> Counts {
         seamed: 0,
         unfolded: 0,
         frames: 0,
-        frame: Frame::default(),
+        coordinate_system: CoordinateSystem::default(),
         attachments: Arc::default(),
         input_faces: 0,
         input_edges: 0,

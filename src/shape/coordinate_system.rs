@@ -64,22 +64,22 @@ impl Up {
     }
 }
 
-/// Unit and up axis together.
+/// The coordinate system of an input: its unit of length and its up axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Frame {
+pub struct CoordinateSystem {
     /// Unit of length.
     pub unit: Unit,
     /// The axis that points up.
     pub up: Up,
 }
 
-impl Frame {
-    /// Returns whether the frame is the default, metres with y up, which files need not state.
+impl CoordinateSystem {
+    /// Returns whether the system is the default, metres with y up, which files need not state.
     pub fn is_default(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Returns the comment lines that files carry about the frame: unit and axis, named as in requests, if they differ
+    /// Returns the comment lines that files carry about the system: unit and axis, named as in requests, if they differ
     /// from the defaults.
     pub fn remarks(&self) -> Vec<String> {
         let unit = (self.unit != Unit::default()).then(|| format!("unit {}", self.unit.name()));
