@@ -22,11 +22,15 @@ pub fn length(v: Vector2) -> f64 {
     if most > 0.0 { most * vector::length(v.map(|x| x / most)) } else { 0.0 }
 }
 
+/// Returns the cross product of two vectors: the area of their parallelogram, positive if the second is to the left.
+pub fn cross(a: Vector2, b: Vector2) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
 /// Returns the angle from one direction to another, counter-clockwise, in radians in `(-pi, pi]`; pi for opposite ones.
 pub fn angle(from: Vector2, to: Vector2) -> f64 {
-    let cross = from[0] * to[1] - from[1] * to[0];
     // adding 0 turns the -0 of opposite directions into +0
-    atan2(cross + 0.0, dot(from, to))
+    atan2(cross(from, to) + 0.0, dot(from, to))
 }
 
 /// Returns a vector rotated counter-clockwise by an angle in radians.

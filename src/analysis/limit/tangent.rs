@@ -13,6 +13,7 @@
 use super::disc::Centre;
 use super::small::{Vectors, dot, leading_basis, leading_block, mixed, orthonormalise, times};
 use crate::math::functions::{exp, ln, real, sqrt};
+use crate::math::planar;
 use crate::math::vector::cross;
 
 /// Number of vectors that are iterated together. At most five of them are taken as eigenvectors, so that three are left
@@ -205,7 +206,7 @@ fn turns_left(centre: Centre, faces: &[&[u32]], place: impl Fn(u32) -> [f64; 2])
             if lengths[0].min(lengths[1]) <= 1e-9 * extent {
                 return Err(NoTangents::Eigenvalues);
             }
-            let sine = (a[0] * b[1] - a[1] * b[0]) / (lengths[0] * lengths[1]);
+            let sine = planar::cross(a, b) / (lengths[0] * lengths[1]);
             if faces.len() == 1 && centre == Centre::Vertex(face[i]) {
                 alone = sine;
             } else {

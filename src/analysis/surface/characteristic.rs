@@ -15,8 +15,9 @@ use super::blocks::phase;
 use super::convergence::{derivative, lebesgue_bound};
 use super::regular::{Polynomial, RegularMask};
 use super::sectors::{LatticePoint, NetKind};
-use crate::math::functions::{cos, real, sin, sqrt};
-use crate::math::vector::minus;
+use crate::math::functions::{cos, real, sin};
+use crate::math::planar::cross;
+use crate::math::vector::{length, minus};
 use crate::watch::{Stopped, Watch};
 
 /// Maximum number of cells examined for one valence. Splines need some hundred, interpolating schemes some thousand.
@@ -97,14 +98,6 @@ impl CharacteristicNet {
 pub(super) fn sine([a, b, c]: [[f64; 2]; 3]) -> f64 {
     let (u, v) = (minus(c, b), minus(a, b));
     cross(u, v) / (length(u) * length(v))
-}
-
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
-
-fn length(a: [f64; 2]) -> f64 {
-    sqrt(a[0] * a[0] + a[1] * a[1])
 }
 
 /// A cell of the lattice: a square, or the lower or the upper triangle of one.

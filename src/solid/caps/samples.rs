@@ -4,6 +4,7 @@ use super::bezier::{BezierNet, bernstein};
 use super::join::SectorPatch;
 use super::rings::{LEAVES, Rings};
 use crate::math::functions::real;
+use crate::math::planar::cross;
 use crate::math::vector::minus;
 
 /// Number of Newton steps for one foot point. Five reach rounding errors from the parameters of the sample itself; half
@@ -22,8 +23,8 @@ pub(super) fn foot(patch: &SectorPatch<2>, point: [f64; 2], start: [f64; 2]) -> 
     for _ in 0..SAMPLE_NEWTON_STEPS {
         let miss = minus(point, patch.at(at));
         let [u, v] = patch.slopes(at);
-        let area = u[0] * v[1] - u[1] * v[0];
-        let step = [(miss[0] * v[1] - miss[1] * v[0]) / area, (u[0] * miss[1] - u[1] * miss[0]) / area];
+        let area = cross(u, v);
+        let step = [cross(miss, v) / area, cross(u, miss) / area];
         at = [(at[0] + step[0]).clamp(0.0, 1.0), (at[1] + step[1]).clamp(0.0, 1.0)];
     }
     at
