@@ -24,13 +24,14 @@ pub const MAX_FAN_FACES: usize = 24;
 /// Maximum valence. Matrices have some dozens of rows per Fourier index. Half as many would refuse poles of fine
 /// spheres; twice as many would take twice as long, and characteristic maps would become so thin that proofs fail.
 pub const MAX_VALENCE: usize = 50;
-/// Milliseconds per vertex and edge. Measured for the default 96 edges: 0.04 with Catmull-Clark and Loop, 0.9 with
-/// degree 7, 1.9 with Kobbelt's scheme, whose characteristic maps are followed to the end. With half of it, such
-/// schemes would take longer than their share; with twice of it, all would wait longer.
+/// Milliseconds per vertex and edge. Measured for the default 96 edges: 0.04 with cubic splines on quads and quartic
+/// ones on triangles, 0.9 with splines of degree 7, 1.9 where an interpolating scheme on quads has characteristic maps
+/// that are followed to the last level. With half of it, such schemes would take longer than their share; with twice of
+/// it, all would wait longer.
 const MS_AN_EDGE: u64 = 2;
 /// Milliseconds for the spectral radius of a regular scheme that is neither a spline nor a tensor product. Measured:
-/// 0.8 s with butterfly and with sqrt 3, mostly for the fractions of norms. With half of it, they would take longer
-/// than their share; with twice of it, they would wait longer.
+/// 0.8 s where triangles are interpolated and where the grid of triangles turns at each level, mostly for the fractions
+/// of norms. With half of it, such schemes would take longer than their share; with twice of it, they would wait longer.
 const MS_OF_RADIUS: u64 = 800;
 /// Approximate milliseconds for bounds of distances from the limit: half a second per level of the largest meshes. With
 /// half of it, searches would take longer than their share; with twice of it, they would wait longer.

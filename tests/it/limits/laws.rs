@@ -80,9 +80,9 @@ fn classical_schemes_keep_their_limits() {
     }
 }
 
-/// The point beyond an irregular vertex depends on all faces there, a ring farther than a regular one.
+/// The point beyond an extraordinary vertex depends on all faces there, a ring farther than a regular one.
 #[test]
-fn limit_normals_of_kobbelt_do_not_turn_where_irregular_vertices_share_faces() {
+fn limit_normals_of_kobbelt_do_not_turn_where_extraordinary_vertices_share_faces() {
     let mut cube = nets::cube();
     (cube.positions[4], cube.positions[6]) = ([-1.0, -2.0, 1.0], [2.0, 3.0, 1.5]);
     for net in [cube, nets::prism(5)] {
