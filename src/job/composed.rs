@@ -137,7 +137,7 @@ pub(super) fn run_film(
         report.warnings.extend(fresh);
     }
     let mut pictures = film::Film::begin(&output.options, out)?;
-    let shots = film::shots(&output.options, &extent, film.frames[0].frame);
+    let shots = film::shots(&output.options, &extent, film.frames[0].coordinate_system);
     for (frame, shot) in film.frames.iter().zip(&shots) {
         let mut draw = |scene: &Scene<'_>| pictures.frame(scene, shot, watch);
         show((frame, false), &frame.outputs[0], kept, watch, &mut draw)?;
