@@ -10,7 +10,7 @@ use tokio::sync::Notify;
 use crate::service::clock::Clock;
 use crate::service::peer::Peer;
 
-/// What a connection is waiting for, in the order in which connections are closed.
+/// The event that a connection waits for, in the order in which connections are closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub(super) enum ConnectionPhase {

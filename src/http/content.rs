@@ -1,4 +1,4 @@
-//! What the headers of a request declare about its body: the form of the job, and the coding of the bytes.
+//! Reads what the headers of a request declare about its body: the form of the job, and the coding of the bytes.
 
 use std::sync::Arc;
 
@@ -20,7 +20,8 @@ const UNTOLD: [&str; 2] = ["application/x-www-form-urlencoded", "application/oct
 pub(super) enum Notation {
     /// The body, or the address, contains the job.
     Job,
-    /// As [`Self::Job`], for a job without outputs: the only output has this format, which is named outside the job.
+    /// The body, or the address, contains a job without outputs: the only output has this format, which is named
+    /// outside the job.
     JobAs(&'static dyn Format),
     /// The body is a mesh file, and the query contains the rest of the job.
     File(&'static Reader, Arc<str>),

@@ -116,7 +116,7 @@ impl Listener {
     }
 }
 
-/// What a client has been sent.
+/// The events that a client has been sent.
 #[derive(Debug)]
 struct Feed {
     /// The number of the last event that the client saw.

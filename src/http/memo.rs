@@ -24,7 +24,7 @@ const MAX_REMEMBERED_REQUESTS: usize = 16_384;
 #[derive(Debug, Default)]
 pub struct Memo(Mutex<HashMap<Key, RememberedRequest>>);
 
-/// What is remembered of a request.
+/// The result to which a request led, as far as it is remembered.
 #[derive(Debug, Clone)]
 pub(super) struct RememberedRequest {
     /// The key of the result.

@@ -151,7 +151,7 @@ pub(super) fn has_already(headers: &HeaderMap, key: &Key) -> Option<String> {
     named.find_map(|tag| tags.iter().find(|known| *known == tag).cloned())
 }
 
-/// As [`has_already`], for an artifact that is stored here, which `If-None-Match: *` matches as well.
+/// Returns what [`has_already`] returns, for an artifact that is stored here, which `If-None-Match: *` matches as well.
 pub(super) fn has_kept(headers: &HeaderMap, key: &Key) -> Option<String> {
     has_already(headers, key).or_else(|| unwanted(headers).any(|tag| tag == "*").then(|| etag(key, None)))
 }

@@ -78,7 +78,7 @@ pub(super) async fn job(
     }
 }
 
-/// As [`job`], but leaves the search to the caller.
+/// Reads a job like [`job`], but leaves the search to the caller.
 ///
 /// # Errors
 /// As [`job`].

@@ -124,7 +124,7 @@ pub async fn bind(settings: Settings) -> Result<(TcpListener, Arc<App>), StartEr
     bind_at(settings, Arc::new(Monotonic::default())).await
 }
 
-/// As [`bind`], with the given clock.
+/// Binds the server like [`bind`], with the given clock.
 ///
 /// # Errors
 /// [`StartError`].

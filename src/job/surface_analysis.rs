@@ -31,7 +31,7 @@ pub const MAX_VALENCE: usize = 50;
 const MS_AN_EDGE: u64 = 2;
 /// Milliseconds for the spectral radius of a regular scheme that is neither a spline nor a tensor product. Measured:
 /// 0.8 s where triangles are interpolated and where the grid of triangles turns at each level, mostly for the fractions
-/// of norms. With half of it, such schemes would take longer than their share; with twice of it, they would wait longer.
+/// of norms. With half of it, such schemes would take longer than their share; with twice, they would wait longer.
 const MS_OF_RADIUS: u64 = 800;
 /// Approximate milliseconds for bounds of distances from the limit: half a second per level of the largest meshes. With
 /// half of it, searches would take longer than their share; with twice of it, they would wait longer.

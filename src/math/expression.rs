@@ -156,7 +156,7 @@ impl Expression {
     }
 }
 
-/// What a text is read into, in the order of a stack machine.
+/// Receives the numbers and operations of a text that is parsed, in the order of a stack machine.
 pub trait Sink {
     /// A number as it is written, and rounded; constants by name are not written in digits.
     ///

@@ -115,7 +115,7 @@ pub enum ParameterKind {
         /// The variable that may be used, `alpha` or `valence`.
         variable: &'static str,
     },
-    /// One such expression, or a list of up to `most`, one per average after an upsampling.
+    /// One expression, or a list of up to `most`, one per average after an upsampling.
     Expressions {
         /// The variable that may be used.
         variable: &'static str,
@@ -168,31 +168,31 @@ pub enum Default {
 pub enum Value {
     /// The parameter was not given and has no default.
     Absent,
-    /// See [`ParameterKind::Number`].
+    /// A value of [`ParameterKind::Number`].
     Number(f64),
-    /// See [`ParameterKind::Integer`].
+    /// A value of [`ParameterKind::Integer`].
     Integer(i64),
-    /// See [`ParameterKind::Flag`].
+    /// A value of [`ParameterKind::Flag`].
     Flag(bool),
-    /// See [`ParameterKind::Choice`].
+    /// A value of [`ParameterKind::Choice`].
     Choice(&'static str),
-    /// See [`ParameterKind::Name`].
+    /// A value of [`ParameterKind::Name`].
     Name(String),
-    /// See [`ParameterKind::Choices`]; in the order of the declaration.
+    /// A value of [`ParameterKind::Choices`]; in the order of the declaration.
     Choices(Vec<&'static str>),
-    /// See [`ParameterKind::Expression`].
+    /// A value of [`ParameterKind::Expression`].
     Expression(Expression),
-    /// See [`ParameterKind::Expressions`]; never empty.
+    /// A value of [`ParameterKind::Expressions`]; never empty.
     Expressions(Vec<Expression>),
-    /// See [`ParameterKind::Numbers`].
+    /// A value of [`ParameterKind::Numbers`].
     Numbers(Vec<f64>),
-    /// See [`ParameterKind::Color`]: red, green, blue, alpha (straight).
+    /// A value of [`ParameterKind::Color`]: red, green, blue, alpha (straight).
     Color([u8; 4]),
-    /// See [`ParameterKind::Vector`] and [`ParameterKind::Direction`], of which the largest coordinate is 1 or -1.
+    /// A value of [`ParameterKind::Vector`], or of [`ParameterKind::Direction`] with the largest coordinate 1 or -1.
     Vector([f64; 3]),
-    /// See [`ParameterKind::Group`].
+    /// A value of [`ParameterKind::Group`].
     Group(Values),
-    /// See [`ParameterKind::Groups`]; never empty.
+    /// A value of [`ParameterKind::Groups`]; never empty.
     Groups(Vec<Values>),
 }
 

@@ -160,7 +160,7 @@ impl<'a> Film<'a> {
         let mut encoder = Encoder::new(out, options.size[0], options.size[1]);
         encoder.set_color(if is_opaque { ColorType::Rgb } else { ColorType::Rgba });
         encoder.set_depth(BitDepth::Eight);
-        // as for still pictures, see decision 7
+        // frames are compressed like still pictures, see decision 7
         encoder.set_compression(Compression::Fast);
         encoder.set_filter(Filter::Adaptive);
         encoder.set_pixel_dims(options.dpi().map(picture::pixel_dims));

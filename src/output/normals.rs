@@ -84,7 +84,7 @@ pub fn area_vector(face: &[u32], positions: &[[f64; 3]], scale: f64) -> [f64; 3]
     let spoke = |vertex: u32| minus(at(vertex), origin);
     let mut sum = [0.0; 3];
     if let &[_, b, c, d] = face {
-        // the same sum without a loop, as most faces are quads
+        // most faces are quads, whose sum needs no loop and has the same bits
         let [b, c, d] = [b, c, d].map(spoke);
         return plus(plus(sum, cross(b, c)), cross(c, d));
     }
@@ -115,7 +115,7 @@ pub(super) fn of_triangle(corners: [[f64; 3]; 3], scale: f64) -> [f64; 3] {
 pub(super) fn of_halves(quad: [[f64; 3]; 4], scale: f64) -> [[f64; 3]; 2] {
     let [a, b, c, d] = quad.map(|corner| times(scale, corner));
     let [b, c, d] = [b, c, d].map(|corner| minus(corner, a));
-    // as in `area_vector`, a sum that starts from zero
+    // the sum starts from zero, as in `area_vector`
     [[b, c], [c, d]].map(|[b, c]| unit(plus([0.0; 3], cross(b, c))))
 }
 

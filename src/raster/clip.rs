@@ -6,7 +6,7 @@ use super::project::GUARD_BAND;
 /// A corner of a clipped polygon: its view coordinates and its barycentric coordinates in the original triangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ClippedCorner {
-    /// See [`Camera::view`].
+    /// The view coordinates, which [`Camera::view`] computes.
     pub(super) seen: [f64; 4],
     /// Barycentric coordinates in the original triangle.
     pub(super) shares: [f64; 3],

@@ -37,7 +37,8 @@ pub struct Stripes {
     pub width_px: f32,
 }
 
-/// What stripes follow: the unit normal `n`, the unit viewing direction `d`, and its reflection `r = d - 2 (n . d) n`.
+/// The pattern of stripes, by the unit normal `n`, the unit viewing direction `d` and its reflection
+/// `r = d - 2 (n . d) n`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StripePattern {
     /// `count` dark bands between the axis `a` and its opposite, equally high in `r . a`: dark where

@@ -58,7 +58,7 @@ impl RasterForecast {
             return;
         }
         if (sides[0] | sides[1] | sides[2]) & (BEHIND | FAR_OUT) != 0 {
-            // it may cover all of the picture
+            // the surface may cover all of the picture
             self.add_parts(width * height, self.size_px, parts, 1.0);
             return;
         }

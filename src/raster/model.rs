@@ -60,13 +60,13 @@ pub struct Strokes<'a> {
     pub width_px: f32,
     /// The colour, straight sRGB.
     pub color: [u8; 4],
-    /// What happens where lines are closer than they are wide.
+    /// The treatment of places where lines are closer than they are wide.
     pub crowding: Crowding,
     /// Opacity of the lines where the surface hides them, 0 to 1.
     pub hidden: f32,
 }
 
-/// What happens where lines are closer than they are wide.
+/// The treatment of places where lines are closer than they are wide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Crowding {
     /// The lines cover what is below them.

@@ -248,7 +248,7 @@ fn looked_up(table: &[Vec3f], share: f32) -> Vec3f {
 /// Returns the mean over `[at - wide / 2, at + wide / 2]` of 1 where the number, rounded down, is even, and of -1
 /// elsewhere.
 pub(super) fn stripes(at: f32, wide: f32) -> f32 {
-    // its integral from 0: up to 1 and down to 0 again
+    // the integral of the wave from 0: up to 1 and down to 0 again
     let integral = |t: f32| 1.0 - (t - 2.0 * (0.5 * t).floor() - 1.0).abs();
     if wide > 1e-3 {
         let mean = (integral(at + 0.5 * wide) - integral(at - 0.5 * wide)) / wide;

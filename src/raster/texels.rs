@@ -112,7 +112,7 @@ impl Copy {
 pub struct Cover {
     /// The texture.
     pub texels: Arc<Texels>,
-    /// What lies beyond its sides: left and right, above and below.
+    /// The continuation of the texture beyond its sides: left and right, above and below.
     pub beyond: [WrapMode; 2],
     /// Whether the nearest pixel is shown instead of the mean of four.
     pub nearest: bool,

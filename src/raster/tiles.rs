@@ -77,7 +77,7 @@ fn drawn(model: &BinnedModel<'_>, is_fine: bool, watch: &Watch) -> Result<Vec<Op
     tiles.map_init(|| TileScratch::new(model), draw).collect()
 }
 
-/// What makes bytes of what is drawn.
+/// Encodes drawn tiles as the bytes of pixels.
 struct TileWriter {
     look: RenderStyle,
     occlusion: Option<Occlusion>,

@@ -49,11 +49,11 @@ pub(super) struct Samples {
     farthest: f32,
     /// Pixels visited since `farthest` was found.
     visited: usize,
-    /// What was done since this was last asked for: pixels looked at, each row of them for some more, and triangles.
+    /// The work done since [`Samples::done`] was last called.
     done: Done,
 }
 
-/// What drawing triangles took.
+/// The work of drawing triangles.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Done {
     /// Pixels looked at, and [`ROW_PX`] for each row of them that was cut to what the triangle may cover.
@@ -84,7 +84,7 @@ impl Samples {
         Self { depth, owner, farthest: 0.0, visited: 0, done: Done::default() }
     }
 
-    /// What was done since this was last asked for.
+    /// Returns the work done since this was last called.
     pub(super) fn done(&mut self) -> Done {
         std::mem::take(&mut self.done)
     }

@@ -11,7 +11,7 @@ const LINE_LIFT: f64 = 1e-3;
 /// Half of it breaks lines on surfaces seen along their plane; twice of it lets lines behind a silhouette show through.
 const STEEP_LIFT: f64 = 1e-2;
 
-/// What hides lines: the samples of a tile.
+/// The samples of a tile, which hide the lines behind them.
 pub(super) struct Veil<'a> {
     model: &'a BinnedModel<'a>,
     samples: &'a Samples,

@@ -149,7 +149,8 @@ impl Share {
         })
     }
 
-    /// As [`Share::try_take`], for callers that refuse nobody if the bytes are not free; this is not counted.
+    /// Takes bytes like [`Share::try_take`], for callers that refuse nobody if the bytes are not free, so that a
+    /// failure is not counted.
     pub fn take_if_free(self: &Arc<Self>, bytes: u64) -> Option<Reservation> {
         let mut state = self.state();
         state.forget_those_who_left();

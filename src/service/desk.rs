@@ -40,7 +40,7 @@ pub struct Desk {
     pub account: Account,
     /// The artifacts in memory that are being sent.
     pub in_flight: InFlight,
-    /// What each client holds.
+    /// The amounts that each client holds of what clients share.
     pub peers: Arc<Peers>,
     /// Intermediate work of computations that later ones reuse.
     pub work: KeptWork,
@@ -160,8 +160,8 @@ impl Desk {
         self.compute_for(task, peer, ticket, |bytes| self.pool.line_up(lane, peer, bytes))
     }
 
-    /// As [`Desk::compute`], for a job accepted earlier: not limited by the number of computations that its peer has in
-    /// line.
+    /// Computes like [`Desk::compute`], for a job accepted earlier: the number of computations that its peer has in
+    /// line is no limit.
     ///
     /// # Errors
     /// [`Busy`] when the line is full.

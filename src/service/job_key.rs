@@ -76,7 +76,7 @@ impl Priority {
     }
 }
 
-/// What a client requests about the turn of a job; never part of the job's key.
+/// The terms on which a client wants a job computed, which are never part of the job's key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct JobTerms {
     /// The priority.

@@ -137,8 +137,8 @@ impl Peers {
         self.charge_under(share, kind, peer, bytes, (share.capacity / 2, u64::MAX))
     }
 
-    /// As [`Peers::charge`], for the service itself, which may hold the whole share, since work accepted earlier comes
-    /// first.
+    /// Charges like [`Peers::charge`], for the service itself, which may hold the whole share, since work accepted
+    /// earlier comes first.
     ///
     /// # Errors
     /// [`Full`].
@@ -146,8 +146,8 @@ impl Peers {
         self.charge_under(share, kind, Peer::SELF, bytes, (u64::MAX, u64::MAX))
     }
 
-    /// As [`Peers::charge`], for a peer that may hold at most `most` bytes, and all peers together at most
-    /// `most_of_all`.
+    /// Charges like [`Peers::charge`] a peer that may hold at most `most` bytes, while all peers together may hold at
+    /// most `most_of_all`.
     ///
     /// # Errors
     /// [`Full`].

@@ -38,7 +38,7 @@ pub enum Lane {
     Long,
 }
 
-/// What there is too little of for more work.
+/// A resource of which there is too little for more work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lack {
     /// Places in the line of a lane.
@@ -90,7 +90,7 @@ impl fmt::Display for Lack {
 /// Refusal of work, since there is no room for it now.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Busy {
-    /// What there is too little of.
+    /// The resource of which there is too little.
     pub lack: Lack,
     /// Time after which to retry, from the rate at which work was finished recently.
     pub retry_after: Duration,
@@ -157,7 +157,7 @@ impl Turn {
         self.spawn_keeping(work).await.map(|(outcome, _)| outcome)
     }
 
-    /// As [`Turn::spawn`], but the caller also gets the memory of the turn, which outlives the place.
+    /// Runs work like [`Turn::spawn`], and also returns the memory of the turn, which outlives the place.
     ///
     /// # Errors
     /// [`Panicked`].
@@ -214,8 +214,8 @@ impl Pool {
         self.lane(lane).line.join(peer, bytes(memory_bytes)).map_err(|_| self.busy(lane, Lack::Places))
     }
 
-    /// As [`Pool::line_up`], for work that was admitted earlier and that more peers than the first may wait for: not
-    /// limited by the number of requests that the peer has in line.
+    /// Lines up like [`Pool::line_up`], for work that was admitted earlier and that more peers than the first may wait
+    /// for: the number of requests that the peer has in line is no limit.
     ///
     /// # Errors
     /// [`Busy`] when the line is full.
@@ -233,7 +233,7 @@ impl Pool {
         self.busy_behind(lane, lack, 0)
     }
 
-    /// As [`Pool::busy`], if `more` pieces of work wait before the line.
+    /// Returns the refusal of [`Pool::busy`], if `more` pieces of work wait before the line.
     pub fn busy_behind(&self, lane: Lane, lack: Lack, more: usize) -> Busy {
         let state = self.lane(lane);
         let waiting = state.line.waiting().saturating_add(more) as u64;

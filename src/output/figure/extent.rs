@@ -1,5 +1,5 @@
-//! What pictures with the same framing need in common: the bounding box of everything that they show, and the room for
-//! their legends.
+//! Collects what pictures with the same framing have in common: the bounding box of everything that they show, and the
+//! room for their legends.
 
 use crate::math::parameter::Values;
 use crate::math::vector::Vector;

@@ -142,7 +142,7 @@ pub(crate) fn memory(options: &Values, vertices: u128, pixels: u128, counts: &Co
             let net = (counts.input_edges as u128).saturating_mul(2 * nearest::TREE_TRIANGLE_BYTES);
             vertices.saturating_mul(8 + 4).saturating_add(net).saturating_add(counts.control.saturating_mul(24))
         }
-        // also the buffer in which their range is found
+        // the sum includes the buffer in which the range of the values is found
         Some(_) => vertices.saturating_mul(mesh_curvature::CURVATURE_VERTEX_BYTES + 16 + 4),
         None => 0,
     };

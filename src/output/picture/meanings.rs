@@ -56,7 +56,7 @@ pub(crate) fn check(kind: ShapeKind, carried: &Attachments, values: &Values) -> 
     Ok(())
 }
 
-/// What the colours of normals along the positive axes stand for.
+/// The names in legends of the colours of normals along the positive axes.
 const AXIS_MEANINGS: [&str; 3] = ["normal +x", "normal +y", "normal +z"];
 
 /// Returns the colour of a normal along axis `k`.

@@ -31,7 +31,7 @@ pub(super) struct CleanUp {
 /// A complete artifact.
 #[derive(Debug)]
 pub(super) struct WholeArtifact {
-    /// Its manifest.
+    /// The manifest of the artifact.
     pub(super) manifest: Manifest,
     /// Time at which the manifest was written.
     pub(super) written: SystemTime,

@@ -69,7 +69,7 @@ impl OpenFile {
 /// systems without inodes, which let nobody remove an open file.
 type FileId = (u64, u64);
 
-/// What is wrong when the path of the records leads to no file, or to another one than the open one: records that are
+/// The message when the path of the records leads to no file, or to another one than the open one: records that are
 /// written into a removed file do not outlast the process.
 const REMOVED: &str = "it was removed or replaced while the service ran; put it back, or start the service again";
 
