@@ -158,22 +158,22 @@ impl Expression {
 
 /// Receives the numbers and operations of a text that is parsed, in the order of a stack machine.
 pub trait Sink {
-    /// A number as it is written, and rounded; constants by name are not written in digits.
+    /// Receives a number: its digits as written, or `None` for a constant that is given by name, and its rounded value.
     ///
     /// # Errors
     /// [`ExpressionError`].
     fn constant(&mut self, digits: Option<&str>, value: f64) -> Result<(), ExpressionError>;
-    /// The variable.
+    /// Receives the variable.
     ///
     /// # Errors
     /// [`ExpressionError`].
     fn variable(&mut self) -> Result<(), ExpressionError>;
-    /// A function of the top.
+    /// Receives a function of the top of the stack.
     ///
     /// # Errors
     /// [`ExpressionError`].
     fn unary(&mut self, op: Unary) -> Result<(), ExpressionError>;
-    /// A function of the top two.
+    /// Receives a function of the top two entries of the stack.
     ///
     /// # Errors
     /// [`ExpressionError`].

@@ -234,7 +234,7 @@ impl Values {
         self.0.iter().find(|entry| entry.name == name).map_or(&Value::Absent, |entry| &entry.value)
     }
 
-    /// A number, or `None` when absent.
+    /// Returns the number given for a parameter, or `None` when absent.
     pub fn number(&self, name: &str) -> Option<f64> {
         if let Value::Number(x) = self.get(name) { Some(*x) } else { None }
     }
@@ -244,22 +244,22 @@ impl Values {
         self.0.iter().find(|entry| entry.name == name)?.written.as_ref()
     }
 
-    /// A whole number, or `None` when absent.
+    /// Returns the whole number given for a parameter, or `None` when absent.
     pub fn integer(&self, name: &str) -> Option<i64> {
         if let Value::Integer(x) = self.get(name) { Some(*x) } else { None }
     }
 
-    /// A flag; an absent one is false.
+    /// Returns the flag given for a parameter; an absent one is false.
     pub fn flag(&self, name: &str) -> bool {
         matches!(self.get(name), Value::Flag(true))
     }
 
-    /// A choice, or `None` when absent.
+    /// Returns the choice given for a parameter, or `None` when absent.
     pub fn choice(&self, name: &str) -> Option<&'static str> {
         if let Value::Choice(x) = self.get(name) { Some(x) } else { None }
     }
 
-    /// A name, or `None` when absent.
+    /// Returns the name given for a parameter, or `None` when absent.
     pub fn name(&self, name: &str) -> Option<&str> {
         if let Value::Name(x) = self.get(name) { Some(x) } else { None }
     }
@@ -269,37 +269,37 @@ impl Values {
         matches!(self.get(name), Value::Choices(items) if items.contains(&item))
     }
 
-    /// A list of numbers, empty when absent.
+    /// Returns the list of numbers given for a parameter, empty when absent.
     pub fn numbers(&self, name: &str) -> &[f64] {
         if let Value::Numbers(x) = self.get(name) { x } else { &[] }
     }
 
-    /// A colour, or `None` when absent.
+    /// Returns the colour given for a parameter, or `None` when absent.
     pub fn color(&self, name: &str) -> Option<[u8; 4]> {
         if let Value::Color(x) = self.get(name) { Some(*x) } else { None }
     }
 
-    /// A vector, or `None` when absent.
+    /// Returns the vector given for a parameter, or `None` when absent.
     pub fn vector(&self, name: &str) -> Option<[f64; 3]> {
         if let Value::Vector(x) = self.get(name) { Some(*x) } else { None }
     }
 
-    /// An expression, or `None` when absent.
+    /// Returns the expression given for a parameter, or `None` when absent.
     pub fn expression(&self, name: &str) -> Option<&Expression> {
         if let Value::Expression(x) = self.get(name) { Some(x) } else { None }
     }
 
-    /// A list of expressions, empty when absent.
+    /// Returns the list of expressions given for a parameter, empty when absent.
     pub fn expressions(&self, name: &str) -> &[Expression] {
         if let Value::Expressions(x) = self.get(name) { x } else { &[] }
     }
 
-    /// The values of a group, or `None` when absent.
+    /// Returns the values of a group, or `None` when absent.
     pub fn group(&self, name: &str) -> Option<&Self> {
         if let Value::Group(x) = self.get(name) { Some(x) } else { None }
     }
 
-    /// The values of a list of groups, empty when absent.
+    /// Returns the values of a list of groups, empty when absent.
     pub fn groups(&self, name: &str) -> &[Self] {
         if let Value::Groups(x) = self.get(name) { x } else { &[] }
     }

@@ -8,31 +8,31 @@ pub type Vector = [f64; 3];
 /// A complex number: its real and its imaginary part.
 pub type Complex = [f64; 2];
 
-/// The sum of two vectors.
+/// Returns the sum of two vectors.
 #[must_use]
 pub fn plus<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
     std::array::from_fn(|k| a[k] + b[k])
 }
 
-/// The difference of two vectors.
+/// Returns the difference of two vectors.
 #[must_use]
 pub fn minus<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
     std::array::from_fn(|k| a[k] - b[k])
 }
 
-/// A vector multiplied by a number.
+/// Returns a vector multiplied by a number.
 #[must_use]
 pub fn times<const N: usize>(k: f64, a: [f64; N]) -> [f64; N] {
     a.map(|x| k * x)
 }
 
-/// The dot product of two vectors.
+/// Returns the dot product of two vectors.
 #[must_use]
 pub fn dot<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
     (1..N).fold(a[0] * b[0], |sum, k| sum + a[k] * b[k])
 }
 
-/// The cross product of two vectors.
+/// Returns the cross product of two vectors.
 #[must_use]
 #[inline]
 pub fn cross(a: Vector, b: Vector) -> Vector {

@@ -37,7 +37,7 @@ pub struct View {
 }
 
 impl Default for View {
-    /// From the front right, a little above, with a narrow lens; y is up, as in glTF.
+    /// Returns the view from the front right, a little above, with a narrow lens; y is up, as in glTF.
     fn default() -> Self {
         Self {
             projection: Projection::Perspective,

@@ -25,7 +25,8 @@ impl Camera {
 /// adds for corners a billion times as far away; twice of it would not be visible either.
 const CLIPPING_FACTOR: f64 = 1.0 + 1e-6;
 
-/// Signed distances from the planes: near, then left, right, top and bottom of the guard band; inside is not negative.
+/// Returns the signed distances of a point from the near plane and from the left, right, top and bottom of the guard
+/// band; they are not negative inside.
 /// The band is drawn in by a pixel, and the near plane a little, so that rounding leaves every result inside.
 fn distances(camera: &Camera, [x, y, w, _]: [f64; 4]) -> [f64; 5] {
     let near = if camera.projection == Projection::Perspective { w - camera.near * CLIPPING_FACTOR } else { 1.0 };
@@ -38,8 +39,9 @@ fn mix(a: f64, b: f64, t: f64) -> f64 {
     a * (1.0 - t) + b * t
 }
 
-/// The part of a triangle (view coordinates) inside near plane and guard band: a convex polygon of up to eight corners,
-/// empty when nothing remains or a coordinate is not finite. Source: I. Sutherland, G. Hodgman, CACM 17 (1974), 32-42.
+/// Returns the part of a triangle (view coordinates) inside near plane and guard band: a convex polygon of up to eight
+/// corners, empty when nothing remains or a coordinate is not finite. Source: I. Sutherland, G. Hodgman, CACM 17
+/// (1974), 32-42.
 pub(super) fn polygon(camera: &Camera, triangle: [[f64; 4]; 3]) -> Vec<ClippedCorner> {
     if triangle.iter().flatten().any(|x| !x.is_finite()) {
         return Vec::new();
@@ -68,7 +70,7 @@ pub(super) fn polygon(camera: &Camera, triangle: [[f64; 4]; 3]) -> Vec<ClippedCo
     corners
 }
 
-/// The part of a segment (view coordinates) inside near plane and guard band.
+/// Returns the part of a segment (view coordinates) inside near plane and guard band.
 pub(super) fn segment(camera: &Camera, [a, b]: [[f64; 4]; 2]) -> Option<[[f64; 4]; 2]> {
     let (da, db) = (distances(camera, a), distances(camera, b));
     let (mut start, mut end) = (0.0_f64, 1.0_f64);

@@ -108,7 +108,7 @@ fn row([a, b]: [&Pixels; 2], y: usize, measure: Measure, shown: &mut [[u8; 3]]) 
     found
 }
 
-/// A channel as it is seen on white.
+/// Returns a colour channel of a pixel in front of white, 0 to 255.
 fn on_white(value: u8, alpha: u8) -> f64 {
     255.0 + (f64::from(value) - 255.0) * f64::from(alpha) / 255.0
 }
@@ -117,12 +117,13 @@ fn seen([r, g, b, alpha]: [u8; 4]) -> [f64; 3] {
     [r, g, b].map(|value| on_white(value, alpha))
 }
 
-/// How bright a colour is, 0 to 255.
+/// Returns the brightness of a colour, 0 to 255.
 fn brightness([r, g, b]: [f64; 3]) -> f64 {
     r * 0.298_895_31 + g * 0.586_622_47 + b * 0.114_482_23
 }
 
-/// The squared distance of two colours on white, `0.5053 Y^2 + 0.299 I^2 + 0.1957 Q^2`, 0 to [`BLACK_TO_WHITE`].
+/// Returns the squared distance of two colours on white, `0.5053 Y^2 + 0.299 I^2 + 0.1957 Q^2`, 0 to
+/// [`BLACK_TO_WHITE`].
 fn apart(a: [u8; 4], b: [u8; 4]) -> f64 {
     let (a, b) = (seen(a), seen(b));
     let [r, g, b] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -146,7 +147,7 @@ impl Pixels {
         self.rgba[y * self.size[0] + x]
     }
 
-    /// The pixels around one, eight unless it stands at the border.
+    /// Returns the pixels around a pixel: eight, fewer at the border.
     fn around(&self, [x, y]: [usize; 2]) -> impl Iterator<Item = [usize; 2]> + use<> {
         let near = |at: usize, n: usize| at.saturating_sub(1)..=(at + 1).min(n - 1);
         let (columns, rows) = (near(x, self.size[0]), near(y, self.size[1]));
@@ -157,8 +158,8 @@ impl Pixels {
         x == 0 || y == 0 || x + 1 == self.size[0] || y + 1 == self.size[1]
     }
 
-    /// Whether a pixel smooths an edge: it is between darker and brighter ones, at most two around it are like it, and
-    /// the darkest or the brightest one lies in an even region of both pictures.
+    /// Returns whether a pixel smooths an edge: it is between darker and brighter ones, at most two around it are like
+    /// it, and the darkest or the brightest one lies in an even region of both pictures.
     fn smooths(&self, at: [usize; 2], other: &Self) -> bool {
         let own = self.at(at);
         let mut alike = u32::from(self.is_at_border(at));
@@ -181,7 +182,7 @@ impl Pixels {
         darkest.0 != 0.0 && brightest.0 != 0.0 && (is_even(darkest) || is_even(brightest))
     }
 
-    /// Whether more than two pixels around one are the same; the border counts as one.
+    /// Returns whether more than two pixels around a pixel have its colour; the border counts as one of them.
     fn is_even(&self, at: [usize; 2]) -> bool {
         let own = self.at(at);
         let same = self.around(at).filter(|&near| self.at(near) == own).count();

@@ -179,7 +179,7 @@ impl Fine {
 }
 
 impl FineSetup {
-    /// `None` for a triangle without area.
+    /// Prepares a triangle for a tile; returns `None` if it has no area.
     fn new(mut corners: [Vertex; 3], origin: [i32; 2]) -> Option<Self> {
         let area = area(&corners);
         if area == 0 {
@@ -217,7 +217,7 @@ impl FineSetup {
         })
     }
 
-    /// A depth, brought between those of the corners.
+    /// Returns a depth, clamped to the depths of the corners.
     fn within(&self, z: f32) -> f32 {
         let z = if z > self.range[0] { z } else { self.range[0] };
         if z < self.range[1] { z } else { self.range[1] }

@@ -93,8 +93,9 @@ impl Finisher {
         }
     }
 
-    /// Linear light of a surface of this colour at a place in a tile, pixels, whose first pixel is at `corner`.
-    /// `normal` gives the normal there, of any length; `back` is 1 where the inside is seen and else 0.
+    /// Returns the linear light of a surface of this colour at a place in a tile, in pixels; the first pixel of the
+    /// tile is at `corner`. `normal` gives the normal at a place, of any length; `back` is 1 where the inside is seen,
+    /// else 0.
     pub(super) fn color(
         &self,
         color: Vec3f,
@@ -154,7 +155,8 @@ impl Finisher {
         0.42 + 0.33 * facing + 0.25 * positive(above).min(1.0)
     }
 
-    /// Clay: a broad light from the upper left, a cool one from the lower right, and a soft spot.
+    /// Returns the linear light of clay under a broad light from the upper left, a cool one from the lower right, and a
+    /// soft spot.
     fn clay(&self, color: Vec3f, n: Vec3f, ray: Vec3f) -> Vec3f {
         let [x, y, z] = [dot(n, self.frame[0]), dot(n, self.frame[1]), positive(-dot(n, ray))];
         let key = positive(0.5 + 0.5 * (-0.46 * x + 0.62 * y + 0.63 * z));
@@ -225,7 +227,7 @@ fn positive(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
 }
 
-/// Linear light of an sRGB component from 0 to 1, rounded to a byte.
+/// Returns the linear light of an sRGB component from 0 to 1, rounded to a byte.
 #[expect(clippy::cast_sign_loss, reason = "the number is from 0 to 255")]
 fn linear_of(x: f32) -> f32 {
     linear((x.clamp(0.0, 1.0) * 255.0 + 0.5) as u8)

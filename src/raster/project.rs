@@ -42,8 +42,8 @@ pub(super) struct Vertex {
 }
 
 impl Camera {
-    /// Where a point (model units) falls in the picture, pixel coordinates; `None` behind the camera and more than
-    /// 2,048 pixels outside the picture.
+    /// Returns the pixel coordinates of a point (model units) in the picture; `None` if it is behind the camera or more
+    /// than 2,048 pixels outside the picture.
     pub fn place(&self, point: [f64; 3]) -> Option<[f64; 2]> {
         let seen = self.view(point);
         let in_front = self.projection == Projection::Orthographic || seen[2] >= self.near;

@@ -53,21 +53,21 @@ const METAL_BRIGHTNESS: f32 = 1.6;
 /// It is a choice of looks: half of it is duller, twice of it brightens the spots of light.
 const SURFACE_GLEAM: f32 = 0.36;
 
-/// A direction that is given to the right, up and towards the viewer.
+/// Returns the model direction of a direction given by its components to the right, up and towards the viewer.
 fn turned(camera: &Camera, [x, y, z]: [f64; 3]) -> Vector {
     let v = plus(plus(times(x, camera.right), times(y, camera.up)), times(-z, camera.forward));
     unit(v).unwrap_or(camera.up)
 }
 
 impl Camera {
-    /// The direction of the brightest lamp, of length one: it moves with the camera.
+    /// Returns the direction of the brightest lamp, of length one, which moves with the camera.
     pub fn lamp(&self) -> Vector {
         turned(self, KEY_DIRECTION)
     }
 }
 
 impl Lamps {
-    /// The lamps for `camera`, falling on a surface of this sRGB colour.
+    /// Creates the lamps for `camera`, falling on a surface of this sRGB colour.
     pub(super) fn new(camera: &Camera, [r, g, b, _]: [u8; 4]) -> Self {
         let single = |v: [f64; 3]| v.map(|x| x as f32);
         let turned = |lamp| turned(camera, lamp);
@@ -95,10 +95,10 @@ impl Lamps {
         spots.add(colors, light, marks);
     }
 
-    /// Linear light that reaches the viewer from the pixel coordinates `place`. The normal need not have length one; it
-    /// points to the outside of the surface, whose colour is `outside` in linear light; `back` is 1 where the inside is
-    /// seen and otherwise 0, `spread` is the width of its highlights, and `metal` says from 0 to 1 whether it
-    /// mirrors its surroundings in its colour, which counts where there is `METAL` at all.
+    /// Returns the linear light that reaches the viewer from the point `place` of the picture. The normal need not have
+    /// length one; it points to the outside of the surface, whose colour is `outside` in linear light; `back` is 1
+    /// where the inside is seen and otherwise 0, `spread` is the width of its highlights, and `metal` says from 0 to 1
+    /// whether it mirrors its surroundings in its colour, which counts where there is `METAL` at all.
     #[expect(clippy::inline_always, reason = "only code inside of `lit` uses its wider vectors")]
     #[inline(always)]
     fn light<const METAL: bool>(
@@ -151,8 +151,8 @@ impl Lamps {
     }
 }
 
-/// Red, green and blue of all spots. The loop over lanes has no branches, so that it becomes vector code; wider vectors
-/// give the same bits.
+/// Returns red, green and blue of all spots. The loop over lanes has no branches, so that it becomes vector code; wider
+/// vectors give the same bits.
 #[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
 fn lit(lamps: &Lamps, spots: &Spots) -> [[f32; SPOT_LANES]; 3] {
     let is_metal = spots.metal.iter().any(|metal| *metal > 0.0);
@@ -177,19 +177,19 @@ fn lanes<const METAL: bool>(lamps: &Lamps, spots: &Spots) -> [[f32; SPOT_LANES];
 /// Half of it looks closely at pixels of smooth surfaces in vain, twice of it leaves steps at faint creases.
 const EDGE_LIGHT: [f32; 2] = [0.012, 0.06];
 
-/// Whether a light differs so much from the mean of those in a sum that an edge between them is seen.
+/// Returns whether a light differs so much from the mean of the lights in a sum that an edge between them is seen.
 fn differ(sum: &[f32; 4], light: Vec3f) -> bool {
     (0..3).any(|k| (sum[k] - light[k] * sum[3]).abs() > EDGE_LIGHT[0] * sum[3] + EDGE_LIGHT[1] * sum[k])
 }
 
-/// `x`, or 0 when it is negative or not a number.
+/// Returns `x`, or 0 when it is negative or not a number.
 #[inline]
 fn positive(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
 }
 
-/// How much is mirrored, 1 where `x` is 1: the lobe of B. Walter et al., EGSR 2007, 195-206, which falls so slowly
-/// beside its middle that no rim is seen around a highlight.
+/// Returns the share that is mirrored, 1 where `x` is 1: the lobe of B. Walter et al., EGSR 2007, 195-206, which falls
+/// so slowly beside its middle that no rim is seen around a highlight.
 #[inline]
 fn polished(x: f32, spread: f32) -> f32 {
     let share = spread / (1.0 - (1.0 - spread) * x * x);
@@ -204,7 +204,8 @@ const USUAL_SPREAD: f32 = 0.05;
 /// surface is curved, twice of it makes what is polished look like plastic.
 const LEAST_SPREAD: f32 = 1e-3;
 
-/// The width of the highlights of a surface of this roughness, 0 to 1: its fourth power, as in glTF 2.0, appendix B.3.
+/// Returns the width of the highlights of a surface of this roughness, 0 to 1: the fourth power of the roughness, as in
+/// glTF 2.0, appendix B.3.
 pub(super) fn spread(roughness: Option<f32>) -> f32 {
     let square = |x: f32| x * x;
     roughness.map_or(USUAL_SPREAD, |roughness| square(square(roughness)).clamp(LEAST_SPREAD, 1.0))
@@ -239,7 +240,7 @@ pub(super) struct Spots {
 }
 
 impl Spots {
-    /// No spots; all that come are of this colour unless another is set.
+    /// Creates an empty list of spots; spots have this colour unless another is set.
     pub(super) fn new(color: Vec3f) -> Self {
         let none = [0.0; SPOT_LANES];
         let color = color.map(|c| [c; SPOT_LANES]);
@@ -290,7 +291,7 @@ impl Spots {
         self.waiting = i + 1;
     }
 
-    /// Whether there is no room for one more.
+    /// Returns whether there is no room for another spot.
     pub(super) fn full(&self) -> bool {
         self.waiting == SPOT_LANES
     }

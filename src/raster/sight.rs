@@ -27,7 +27,7 @@ const MAX_SIGHT_CELLS: usize = 512;
 pub struct Sight<'a> {
     points: &'a [ProjectedPoint],
     triangles: &'a [[u32; 3]],
-    /// How much nearer a triangle has to be to hide something.
+    /// The least difference of nearness at which a triangle hides something.
     slack: f64,
     grid: SightGrid,
 }
@@ -50,8 +50,8 @@ impl<'a> Sight<'a> {
         self.grid.cells(bounds(ends)).map(|cell| self.grid.triangles(cell).len()).sum()
     }
 
-    /// The parts of a line that triangles hide, as shares of the way from its start to its end, ascending and apart.
-    /// Triangles for which `beside` holds hide nothing of it: the line is an edge of them.
+    /// Returns the parts of a line that triangles hide, as shares of the way from its start to its end, ascending and
+    /// disjoint. Triangles for which `beside` holds hide nothing of it: the line is an edge of them.
     pub fn hidden(&self, ends: [ProjectedPoint; 2], beside: impl Fn(u32) -> bool) -> Vec<[f64; 2]> {
         let seen = bounds(ends);
         let mut found: Vec<[f64; 2]> = Vec::new();
@@ -76,7 +76,7 @@ impl<'a> Sight<'a> {
     }
 }
 
-/// Left, top, right and bottom.
+/// Left, top, right and bottom of a rectangle of the picture.
 type ScreenRect = [f64; 4];
 
 fn bounds<const N: usize>(points: [ProjectedPoint; N]) -> ScreenRect {
@@ -89,7 +89,7 @@ fn overlap(a: ScreenRect, b: ScreenRect) -> bool {
     a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
 }
 
-/// The part of a line that a triangle hides.
+/// Returns the part of a line that a triangle hides.
 ///
 /// With `f_k` the doubled area of a point of the line and side k of the triangle, which is linear along the line, the
 /// line is inside where no `f_k` is below 0; there the triangle is as near as the mean of its corners with the weights
@@ -136,7 +136,7 @@ fn covered(ends: [ProjectedPoint; 2], corners: [ProjectedPoint; 3], slack: f64) 
     }
 }
 
-/// Twice the area of a triangle in the picture.
+/// Returns twice the area of a triangle in the picture.
 fn doubled(a: ProjectedPoint, b: ProjectedPoint, c: ProjectedPoint) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
@@ -154,7 +154,7 @@ struct SightGrid {
 }
 
 impl SightGrid {
-    /// A grid over what is seen, as fine as triangles that reach into many cells allow.
+    /// Creates a grid over the triangles in the picture, as fine as triangles that reach into many cells allow.
     fn new(ends: [(f64, f64); 2], boxes: &[ScreenRect]) -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the root of a count")]
         let root = sqrt(real(boxes.len())) as usize;

@@ -46,8 +46,8 @@ struct Copy {
 }
 
 impl Texels {
-    /// A picture of `width x height` pixels, at least one each, given as sRGB bytes row after row from the top, and the
-    /// alpha of each, or nothing where all are opaque.
+    /// Creates a texture of `width x height` pixels, at least one each, from sRGB bytes row after row from the top, and
+    /// the alpha of each pixel, or nothing if all are opaque.
     pub fn new([width, height]: [usize; 2], bytes: Vec<[u8; 3]>, alphas: Vec<u8>) -> Self {
         let mut copies = vec![Copy { size: [width, height], bytes, alphas }];
         while let Some(smaller) = copies.last().and_then(Copy::halved) {
@@ -63,8 +63,8 @@ impl Texels {
 }
 
 impl Copy {
-    /// The picture half as wide and high, if that is smaller: each pixel is the mean of four, in linear light, weighted
-    /// by their alpha.
+    /// Returns the picture half as wide and high, if that is smaller: each pixel is the mean of four, in linear light,
+    /// weighted by their alpha.
     fn halved(&self) -> Option<Self> {
         let [width, height] = self.size;
         let size @ [columns, _] = [width.div_ceil(2), height.div_ceil(2)];
@@ -119,8 +119,8 @@ pub struct Cover {
 }
 
 impl Cover {
-    /// By how much texture coordinates of which `least` is the least along an axis may be made less, so that they show
-    /// the same and leave more digits: whole periods of the picture.
+    /// Returns the amount by which texture coordinates along an axis, of which `least` is the least, may be decreased
+    /// so that they show the same and keep more digits: whole periods of the picture.
     pub(super) fn period(&self, axis: usize, least: f64) -> f64 {
         match self.beyond[axis] {
             WrapMode::Repeat => least.floor(),
@@ -129,8 +129,8 @@ impl Cover {
         }
     }
 
-    /// The light, and the alpha, at texture coordinates, the second from the lower side upwards, where a pixel is so
-    /// wide in them. Light counts as much as it is seen.
+    /// Returns the light and the alpha at texture coordinates, the second from the lower side upwards; `wide` is the
+    /// width of a pixel of the picture in these coordinates. Light is weighted by alpha.
     pub(super) fn light(&self, [u, v]: [f32; 2], wide: [f32; 2]) -> (Vec3f, f32) {
         let [mut columns, mut rows] = [wide[0], wide[1]];
         let whole = self.texels.0[0].size;
@@ -167,7 +167,7 @@ impl Cover {
         (if alpha > 0.0 { std::array::from_fn(seen) } else { light[0] }, alpha)
     }
 
-    /// The column or row that shows number `i` of `n`, a whole number; what is no number is the first.
+    /// Returns the column or row of `n` that is shown at the whole number `i`; NaN shows the first.
     fn index(&self, axis: usize, i: f32, n: usize) -> usize {
         let last = n - 1;
         let period = |n: usize| {

@@ -134,7 +134,7 @@ impl Samples {
         }
     }
 
-    /// The smallest depth of a sample.
+    /// Returns the smallest depth of a sample.
     pub(super) fn farthest(&mut self) -> f32 {
         if self.visited > 0 {
             let least =
@@ -146,7 +146,8 @@ impl Samples {
         self.farthest
     }
 
-    /// Whether every sample of these pixels (left, top, right, bottom, bounds included) is nearer than `nearest`.
+    /// Returns whether every sample of some pixels (left, top, right, bottom, bounds included) is nearer than
+    /// `nearest`.
     fn is_hidden(&self, [left, top, right, bottom]: [i32; 4], nearest: f32) -> bool {
         (top..=bottom).all(|y| {
             let row = (y * TILE_SIDE + left) as usize..=(y * TILE_SIDE + right) as usize;
@@ -210,7 +211,7 @@ fn step(edges: &mut [i32; 3], by: [i32; 3]) {
     edges.iter_mut().zip(by).for_each(|(edge, by)| *edge = edge.wrapping_add(by));
 }
 
-/// Twice the signed area in square steps.
+/// Returns twice the signed area of a triangle in square steps.
 pub(super) fn area(&[a, b, c]: &[Vertex; 3]) -> i64 {
     i64::from(b.x - a.x) * i64::from(c.y - a.y) - i64::from(c.x - a.x) * i64::from(b.y - a.y)
 }
@@ -268,7 +269,7 @@ fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> TileEdge {
 }
 
 impl TriangleSetup {
-    /// The triangle over these pixels of the tile: left, top, right, bottom, bounds included.
+    /// Prepares a triangle over some pixels of the tile: left, top, right, bottom, bounds included.
     fn new(mut corners: [Vertex; 3], pixels: [i32; 4], origin: [i32; 2]) -> Option<Self> {
         let area = area(&corners);
         if area == 0 {
@@ -308,15 +309,15 @@ impl TriangleSetup {
         Some(setup)
     }
 
-    /// A depth, brought between those of the corners.
+    /// Returns a depth, clamped to the depths of the corners.
     fn within(&self, z: f32) -> f32 {
         let z = if z > self.range[0] { z } else { self.range[0] };
         if z < self.range[1] { z } else { self.range[1] }
     }
 
-    /// The columns of a row of `n` pixels in which a sample may lie inside; `start` are the edge functions at its first
-    /// pixel. An edge function that is negative at all samples of a pixel leaves it out, and all are linear along the
-    /// row.
+    /// Returns the columns of a row of `n` pixels in which a sample may lie inside; `start` are the edge functions at
+    /// the first pixel. An edge function that is negative at all samples of a pixel leaves it out, and all are linear
+    /// along the row.
     fn span(&self, start: &[i32; 3], n: usize) -> Range<usize> {
         let (mut first, mut end) = (0_i64, n as i64);
         for ((edge, samples), &right) in start.iter().zip(&self.samples).zip(&self.right) {
@@ -336,7 +337,7 @@ impl TriangleSetup {
         first as usize..end.max(first) as usize
     }
 
-    /// The plane of depths, from the first pixel of the box.
+    /// Sets the plane of depths, from the first pixel of the bounding box.
     fn interpolate(&mut self, corners: &[Vertex; 3], first: [i32; 2]) {
         let [a, b, c] = *corners;
         let slope = slope(corners);
@@ -352,7 +353,7 @@ impl TriangleSetup {
     }
 }
 
-/// Growth of depth for each pixel to the right and down; 0 for a triangle without area.
+/// Returns the growth of depth for each pixel to the right and down; 0 for a triangle without area.
 pub(super) fn slope(corners: &[Vertex; 3]) -> [f64; 2] {
     let [a, b, c] = *corners;
     let area = area(corners);

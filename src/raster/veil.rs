@@ -7,7 +7,7 @@ use super::triangle::{NOBODY, SAMPLES, Samples, slope};
 /// Half of it lets lines sink into coarse triangles beside them; twice of it lets lines behind an edge show through
 /// sooner.
 const LINE_LIFT: f64 = 1e-3;
-/// On steep surfaces they are lifted by at most this share.
+/// On steep surfaces lines are lifted by at most this share of the radius of the scene.
 /// Half of it breaks lines on surfaces seen along their plane; twice of it lets lines behind a silhouette show through.
 const STEEP_LIFT: f64 = 1e-2;
 
@@ -38,8 +38,8 @@ impl<'a> Veil<'a> {
         }
     }
 
-    /// How much of a pixel, 0 to 1, shows something of this depth, lifted a little so that lines on a surface lie over
-    /// it also where the surface is steep.
+    /// Returns the share of a pixel, 0 to 1, in which a line of this depth is seen. The line is lifted a little, so
+    /// that lines on a surface lie over it also where the surface is steep.
     pub(super) fn seen(&mut self, pixel: usize, depth: f32) -> f32 {
         let near = self.lift[0] + self.lift[1] * depth * depth;
         let most = self.steep[0] + self.steep[1] * depth * depth;

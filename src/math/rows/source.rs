@@ -8,9 +8,9 @@ use super::table::Rows;
 
 /// Makes rows on demand, so that a table of a large net never has to be held as a whole.
 pub trait RowSource: fmt::Debug + Send + Sync {
-    /// Number of new points.
+    /// Returns the number of new points.
     fn n_rows(&self) -> usize;
-    /// Number of old points.
+    /// Returns the number of old points.
     fn n_columns(&self) -> usize;
     /// Appends the rows of `range` to `out`.
     fn make(&self, range: Range<usize>, out: &mut Rows);

@@ -44,12 +44,12 @@ impl Default for Rows {
 }
 
 impl Rows {
-    /// Number of complete rows.
+    /// Returns the number of complete rows.
     pub fn len(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// Whether there is no row.
+    /// Returns whether there is no row.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
