@@ -221,7 +221,7 @@ impl Limits {
     fn with_films(&self, job: &Job, mut estimate: Estimate, watch: &Watch) -> Result<Estimate, Refusal> {
         for frame in job.films.iter().flat_map(|film| &film.frames) {
             let of_frame = self.estimate_under(frame, watch)?;
-            // each frame is refined once to find the common frame, and once more to be drawn
+            // each frame is refined once to find the box around all frames, and once more to be drawn
             let work = of_frame.forecast.work.saturating_mul(2);
             estimate.forecast.work = estimate.forecast.work.saturating_add(work);
             estimate.time_ms = estimate.time_ms.saturating_add(time::milliseconds(work, &[]));
