@@ -47,7 +47,7 @@ pub(super) struct Connection {
     pub(super) peer: Peer,
     number: u64,
     phase: AtomicU8,
-    /// When the phase began, in microseconds of the clock.
+    /// The time at which the phase began, in microseconds of the clock.
     since_us: AtomicU64,
     clock: Arc<dyn Clock>,
     closing: Notify,

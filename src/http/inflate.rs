@@ -93,7 +93,7 @@ fn broken(error: &std::io::Error) -> Problem {
     Problem::new(problem::NOT_CODED, detail)
 }
 
-/// Returns the refusal of a body with at least so many bytes.
+/// Returns the refusal of a body with at least `length` bytes.
 pub(super) fn too_long(length: u64, limit: u64) -> Problem {
     let limit = in_bytes(limit.into());
     let detail = format!(

@@ -12,7 +12,7 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// Returns the maximum duration of a transfer that has moved so many bytes: `grace + bytes / least_rate`.
+    /// Returns the maximum duration of a transfer that has moved `bytes` bytes: `grace + bytes / least_rate`.
     pub(super) fn allows(&self, bytes: u64) -> Duration {
         let millis = bytes.saturating_mul(1000) / self.least_rate.max(1);
         // a day is longer than any transfer, and adding it to a time does not overflow

@@ -21,7 +21,7 @@ pub(super) struct Watched {
     stream: TcpStream,
     connection: Arc<Connection>,
     pace: Pace,
-    /// When the current answer began, and how many bytes of it the system has taken.
+    /// The time at which the current answer began, and the number of its bytes that the system has taken.
     answer: Option<(Instant, u64)>,
     alarm: Option<Pin<Box<Sleep>>>,
     /// The bytes that replace a refusal of the HTTP library, and how many of them are written.

@@ -37,7 +37,7 @@ const TABLE_COLORS: u32 = 256;
 pub(super) struct ColorMap(&'static str);
 
 impl ColorMap {
-    /// From dark blue over green to yellow.
+    /// The map from dark blue over green to yellow, in equal steps of lightness.
     pub(super) const EVEN: Self = Self("even");
     /// The map for distances.
     pub(super) const VIRIDIS: Self = Self("viridis");

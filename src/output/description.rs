@@ -24,15 +24,15 @@ const MAX_BYTES_BEFORE: usize = 64 << 20;
 /// The place of the description in a format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum DescriptionPlace {
-    /// In a chunk `tEXt` after the first chunk of a PNG.
+    /// The description is a chunk `tEXt` after the first chunk of a PNG.
     Png,
-    /// In an element `metadata`, the first of an SVG.
+    /// The description is an element `metadata`, the first of an SVG.
     Svg,
-    /// In the extras of the asset of a glTF document.
+    /// The description is in the extras of the asset of a glTF document.
     Gltf,
-    /// In the extras of the asset of a glTF document, in the first chunk of a GLB.
+    /// The description is in the extras of the asset of a glTF document, in the first chunk of a GLB.
     Glb,
-    /// In comments with this keyword, after this number of lines.
+    /// The description is in comments with this keyword, after this number of lines.
     Lines(&'static str, usize),
 }
 

@@ -51,7 +51,7 @@ pub(super) struct Plane {
 /// A polyline of a section.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Polyline {
-    /// At least two points, three if it is closed; neighbours differ; model units.
+    /// The points, in model units: at least two, three if the line is closed; neighbours differ.
     pub(super) points: Vec<[f64; 3]>,
     /// Whether the last point is joined to the first.
     pub(super) closed: bool,

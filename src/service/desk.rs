@@ -90,7 +90,7 @@ pub struct Terms {
     pub most_waiting: u64,
     /// Maximum number of jobs that wait in a lane.
     pub most_jobs: usize,
-    /// How long the record of a job is kept after the job is settled.
+    /// The time for which the record of a job is kept after the job is settled.
     pub job_ttl: Duration,
 }
 

@@ -103,9 +103,9 @@ pub struct Panicked(pub String);
 /// Maximum numbers of waiting requests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct QueueBounds {
-    /// In each line.
+    /// Maximum number of requests in each line.
     pub queue: usize,
-    /// In each line, of one peer.
+    /// Maximum number of requests of one peer in each line.
     pub queue_a_peer: usize,
 }
 

@@ -97,7 +97,7 @@ pub(super) fn meanings(options: &Options<'_>) -> Vec<(&'static str, LegendSample
 pub(super) struct MeshLines<'a> {
     wires: Vec<[u32; 2]>,
     isolines: Vec<[u32; 2]>,
-    /// In the order of [`TAG_LINES`].
+    /// The tagged edges and vertices, in the order of [`TAG_LINES`].
     tags: [Vec<[u32; 2]>; TAG_LINES.len()],
     extraordinary: Vec<[u32; 2]>,
     net: ControlLines<'a>,

@@ -17,7 +17,7 @@ pub(super) enum On {
     Vertices,
     /// One value for each corner.
     Corners,
-    /// Not written, as the attribute implies the elements.
+    /// The elements are not written, as the attribute implies them.
     Untold,
 }
 

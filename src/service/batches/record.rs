@@ -46,7 +46,7 @@ impl ParsedBatch {
 /// The end of an item.
 #[derive(Debug, Clone)]
 pub struct Ending {
-    /// Whether all outputs were made, or why not.
+    /// The final state: whether all outputs were made, or why not.
     pub state: JobState,
     /// The outputs with their results; empty if the job was never read.
     pub outputs: Vec<(Product, Option<OutputResult>)>,

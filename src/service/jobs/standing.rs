@@ -24,7 +24,7 @@ pub enum JobPhase {
     Running,
     /// All outputs were made.
     Done,
-    /// Not all outputs were made, for this reason.
+    /// Some output was not made, for this reason.
     Failed(String),
     /// The job or batch was cancelled.
     Cancelled,
