@@ -185,7 +185,7 @@ pub(super) fn on_demand(forecast: &Forecast, level: usize, sizes: &[Size]) -> u1
 /// within three rings of extraordinary ones, or all vertices if faces are triangles or vertices or edges have
 /// parameters.
 pub(super) fn compared_discs(job: &Job, forecast: &Forecast) -> u128 {
-    /// Memory in bytes of a disc. Measured: 160 for loop, 640 for butterfly, 980 for sqrt-3, 1,290 with latitude lines.
+    /// Memory in bytes of a disc. Measured: 160 to 980 where faces are triangles, 1,290 with latitude lines.
     const DISC_BYTES: u128 = 1408;
     /// Number of vertices whose discs are compared at a time.
     const VERTICES_PER_CHUNK: u128 = 16_384;

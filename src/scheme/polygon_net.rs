@@ -151,7 +151,7 @@ impl PolygonNet {
         let corners = corners.filter_map(|c| u32::try_from(c).ok()).filter(|&c| (c as usize) < n).collect();
         let phase = self.phase.map(|phase| phase.moved(landing.start));
         let trimmed = usize::try_from(landing.start).ok().filter(|_| self.extent == Extent::Natural && d == 1);
-        let part = |attributes: &Arc<Attributes>| trimmed.map(|start| Arc::new(attributes.part(start, n)));
+        let part = |attributes: &Arc<Attributes>| trimmed.map(|start| Arc::new(attributes.slice(start, n)));
         let attributes = self.attributes.as_ref().map(|kept| part(kept).unwrap_or_else(|| kept.clone()));
         Ok((Self { n, extent: landing.extent, corners, phase, attributes, ..self.clone() }, preimages))
     }

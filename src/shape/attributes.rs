@@ -51,7 +51,7 @@ impl Attributes {
 
     /// Returns the parameters of the points `start .. start + n`.
     #[must_use]
-    pub fn part(&self, start: usize, n: usize) -> Self {
+    pub fn slice(&self, start: usize, n: usize) -> Self {
         self.changed(|array| array.iter().skip(start).take(n).copied().collect())
     }
 }

@@ -43,7 +43,7 @@ impl Topology {
     ///
     /// # Errors
     /// None are known, since a part of an oriented manifold is an oriented manifold.
-    pub fn part(&self, faces: &[u32]) -> Result<(Self, Vec<u32>), Vec<Fault>> {
+    pub fn submesh(&self, faces: &[u32]) -> Result<(Self, Vec<u32>), Vec<Fault>> {
         let mut vertices: Vec<u32> = faces.iter().flat_map(|&f| self.face(f as usize)).copied().collect();
         vertices.sort_unstable();
         vertices.dedup();

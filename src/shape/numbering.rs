@@ -78,10 +78,10 @@ impl Numbering {
         self.faces[f].number
     }
 
-    /// Returns the numbering of a part of this part, whose topology is given: of the given vertices, and of the faces
+    /// Returns the numbering of a part of this net, whose topology is given: of the given vertices, and of the faces
     /// that start at the given half-edges.
     #[must_use]
-    pub fn part(&self, topology: &Topology, vertices: &[u32], corners: &[u32]) -> Self {
+    pub fn of_submesh(&self, topology: &Topology, vertices: &[u32], corners: &[u32]) -> Self {
         let mut part = Self {
             whole: self.whole,
             vertices: Vec::new(),

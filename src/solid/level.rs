@@ -224,7 +224,7 @@ impl Level {
             around.dedup();
         }
         let (topology, origins) =
-            self.topology.part(&around).map_err(|faults| SolidError::at("", format!("{faults:?}")))?;
+            self.topology.submesh(&around).map_err(|faults| SolidError::at("", format!("{faults:?}")))?;
         let mut origin_of_edge = vec![NONE; topology.n_edges()];
         for (f, &from) in around.iter().enumerate() {
             let pairs = topology.half_edges(f).zip(self.topology.half_edges(from as usize));

@@ -78,7 +78,7 @@ impl Neighbourhoods for RefinedNet {
 
     fn numbering(&self, found: &Located) -> Numbering {
         let whole = self.numbering.get_or_init(|| Numbering::of(&self.topology));
-        whole.part(&self.topology, &found.vertices, &found.half_edges)
+        whole.of_submesh(&self.topology, &found.vertices, &found.half_edges)
     }
 
     fn middles(&self, but: usize, rings: RingCount, watch: &Watch) -> Result<Vec<Disc>, Stopped> {

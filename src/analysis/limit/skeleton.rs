@@ -110,7 +110,7 @@ impl<'a> Skeletons<'a> {
         let Located { vertices, half_edges, .. } = &skeleton.child;
         let parameters = VertexParameters::of(&net, vertices);
         let numbering =
-            net.annotations.numbering.map(|numbering| numbering.part(&skeleton.refined, vertices, half_edges));
+            net.annotations.numbering.map(|numbering| numbering.of_submesh(&skeleton.refined, vertices, half_edges));
         Ok((TracedLevel { skeleton, record, n_columns: disc.support }, (parameters, numbering)))
     }
 

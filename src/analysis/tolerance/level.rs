@@ -137,7 +137,7 @@ impl ComparedNet {
     /// rings along the cut as a round has averages.
     pub(super) fn focused(&self, on: &[u32], rings: usize) -> Self {
         let kept = self.surroundings(on, rings);
-        let (topology, vertices) = self.topology.part(&kept).expect("a part of an oriented manifold is one");
+        let (topology, vertices) = self.topology.submesh(&kept).expect("a part of an oriented manifold is one");
         let topology = Arc::new(topology);
         let picked = |points: &Points| {
             let all = points.now.as_chunks::<3>().0;

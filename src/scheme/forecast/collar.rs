@@ -151,6 +151,6 @@ fn near(
         beyond.valences.extend(inside.map(|v| net.ring(v).count()));
     }
     let kept: Vec<u32> = (0..index(net.n_faces())).filter(|&f| kept[f as usize]).collect();
-    let (part, origins) = net.part(&kept).map_err(|faults| no_manifold(&faults))?;
+    let (part, origins) = net.submesh(&kept).map_err(|faults| no_manifold(&faults))?;
     Ok(Some((part, origins.iter().map(|&v| real[v as usize]).collect())))
 }

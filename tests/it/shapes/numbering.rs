@@ -41,7 +41,7 @@ fn part(topology: &Topology, numbering: &Numbering, choices: &[u8]) -> (Topology
     let n = u32::try_from(vertices.len()).expect("small");
     let checked = Topology::of_faces(vertices.len(), faces, Winding::Refuse).expect("a part is a manifold");
     let origins: Vec<u32> = (0..n).chain(checked.split_from).collect();
-    (checked.topology, numbering.part(topology, &vertices, &corners).with_origins(&origins))
+    (checked.topology, numbering.of_submesh(topology, &vertices, &corners).with_origins(&origins))
 }
 
 /// Compares the elements of the part with those that have their numbers in the whole.
