@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use axum::extract::State;
 use axum::http::header;
 use axum::response::{Html, IntoResponse, Response};
+use quick_xml::escape::escape;
 
 use super::app::SharedApp;
 use super::problem::{self, KINDS, Problem};
@@ -47,7 +48,7 @@ pub(super) async fn problem(PathSegment(kind): PathSegment) -> Response {
         let detail = format!("there is no kind of problem \"{}\"", shortened(&kind));
         return Problem::new(problem::NOT_FOUND, detail).into_response();
     };
-    let doc = kind.doc.replace('&', "&amp;").replace('<', "&lt;");
+    let doc = escape(kind.doc);
     page(kind.title, &format!("<p>Status {}</p><p>{doc}</p>", kind.status.as_u16())).into_response()
 }
 

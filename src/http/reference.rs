@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use quick_xml::escape::escape;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
@@ -24,11 +25,11 @@ pub(super) fn page(document: &Value) -> String {
     let about = document["info"]["description"].as_str().unwrap_or_default();
     let about = format!("<h1>{title}</h1>{}", paragraphs(about));
     for tag in tags(document) {
-        let _ = write!(nav, "<b>{0}</b>", escaped(&tag));
-        let _ = write!(main, "<h2>{0}</h2>", escaped(&tag));
+        let _ = write!(nav, "<b>{0}</b>", escape(&tag));
+        let _ = write!(main, "<h2>{0}</h2>", escape(&tag));
         for (path, verb, operation) in operations(document).filter(|(.., operation)| tag_of(operation) == tag) {
             let place = anchor(&format!("{verb}-{path}"));
-            let (shown, verb) = (escaped(path), verb.to_uppercase());
+            let (shown, verb) = (escape(path), verb.to_uppercase());
             let _ = write!(nav, "<a href=\"#{place}\"><span class=\"verb\">{verb}</span>{shown}</a>");
             let _ = write!(main, "<h3 id=\"{place}\"><span class=\"verb\">{verb}</span>{shown}</h3>");
             describe(&mut main, operation);
@@ -37,7 +38,7 @@ pub(super) fn page(document: &Value) -> String {
     nav.push_str("<b>schemas</b>");
     main.push_str("<h2>schemas</h2>");
     for (name, schema) in entries(&document["components"]["schemas"]) {
-        let (place, name) = (anchor(&format!("schema-{name}")), escaped(name));
+        let (place, name) = (anchor(&format!("schema-{name}")), escape(name));
         let _ = write!(nav, "<a href=\"#{place}\">{name}</a>");
         let _ = write!(main, "<h3 id=\"{place}\">{name}</h3>");
         describe_schema(&mut main, schema);
@@ -113,7 +114,7 @@ fn table(page: &mut String, title: &str, rows: impl Iterator<Item = (String, Str
 /// Describes the type of a schema in a few words, as HTML.
 fn kind(schema: &Value) -> String {
     if let Some(name) = schema["$ref"].as_str().and_then(|place| place.rsplit('/').next()) {
-        return format!("<a href=\"#{}\">{}</a>", anchor(&format!("schema-{name}")), escaped(name));
+        return format!("<a href=\"#{}\">{}</a>", anchor(&format!("schema-{name}")), escape(name));
     }
     if let Some(kinds) = ["oneOf", "anyOf", "allOf"].into_iter().find_map(|word| schema[word].as_array()) {
         return kinds.iter().map(kind).collect::<Vec<_>>().join(" or ");
@@ -160,20 +161,15 @@ fn tags(document: &Value) -> Vec<String> {
 }
 
 fn text_of(value: &Value, field: &str) -> String {
-    escaped(value[field].as_str().unwrap_or_default())
+    escape(value[field].as_str().unwrap_or_default()).into_owned()
 }
 
 fn code(text: &str) -> String {
-    format!("<code>{}</code>", escaped(text))
+    format!("<code>{}</code>", escape(text))
 }
 
 fn anchor(text: &str) -> String {
     text.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect()
-}
-
-/// Escapes the special characters of HTML.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Renders Markdown as HTML; only paragraphs, backticks and fences are supported.
@@ -182,11 +178,11 @@ fn paragraphs(text: &str) -> String {
     for (at, block) in text.split("```").enumerate() {
         if at % 2 == 1 {
             let body = block.split_once('\n').map_or(block, |(_, body)| body);
-            let _ = write!(html, "<pre><code>{}</code></pre>", escaped(body.trim_end()));
+            let _ = write!(html, "<pre><code>{}</code></pre>", escape(body.trim_end()));
             continue;
         }
         for paragraph in block.split("\n\n").map(str::trim).filter(|paragraph| !paragraph.is_empty()) {
-            let marked: String = escaped(paragraph)
+            let marked: String = escape(paragraph)
                 .split('`')
                 .enumerate()
                 .map(|(at, part)| if at % 2 == 1 { format!("<code>{part}</code>") } else { part.to_owned() })

@@ -14,6 +14,7 @@ mod triangles;
 
 use self::buffers::GltfDocument;
 use super::beside::InputFile;
+use super::likeness::Likeness;
 use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::room::MemoryBudget;
 
@@ -30,6 +31,7 @@ pub(super) const GLTF: Reader = Reader {
     media_type: "model/gltf+json",
     doc: "glTF 2.0 in JSON with data URIs, on the command line with files beside it: the triangles of its scene",
     vertices: Vertices::Doubled,
+    likeness: |_| Likeness::Unlike,
     read: |file, limits| {
         if file.bytes.starts_with(b"glTF") {
             return Err(vec!["the file is binary; read it as glb".to_owned()]);
@@ -44,6 +46,7 @@ pub(super) const GLB: Reader = Reader {
     media_type: "model/gltf-binary",
     doc: "Binary glTF 2.0: the triangles of its scene",
     vertices: Vertices::Doubled,
+    likeness: |file| file.bytes.starts_with(b"glTF").into(),
     read: |file, limits| read(file, limits, |room| GltfDocument::of_glb(file, room)),
 };
 

@@ -1,7 +1,5 @@
 //! Identification of files by their first bytes, for messages about files that are not what their sender says.
 
-use super::sniff;
-
 /// The first bytes of file formats that hold no supported mesh, with their descriptions. The table is used only after
 /// reading has failed, so that short prefixes do no harm.
 const FOREIGN: &[(&[u8], &str)] = &[
@@ -34,16 +32,6 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"\x7fELF", "a program"),
 ];
 
-/// The first bytes of the supported formats, with the names of their readers.
-const FIRST_BYTES: &[(&[u8], &str)] = &[
-    (b"ply", "ply"),
-    (b"glTF", "glb"),
-    (b"solid ", "stl"),
-    (b"OFF", "off"),
-    (b"PK\x03\x04", "3mf"),
-    (b"#usda", "usda"),
-];
-
 /// Maximum number of bytes that are examined to recognise text.
 const MAX_EXAMINED: usize = 4096;
 
@@ -54,13 +42,6 @@ pub fn foreign(bytes: &[u8]) -> Option<&'static str> {
     FOREIGN.iter().find(|(magic, _)| start.starts_with(magic)).map(|(_, what)| *what)
 }
 
-/// Returns the name of the reader for files that begin like these bytes.
-pub fn own(bytes: &[u8]) -> Option<&'static str> {
-    let start = text_start(bytes);
-    let magic = FIRST_BYTES.iter().find(|(magic, _)| start.starts_with(magic)).map(|(_, name)| *name);
-    magic.or_else(|| sniff::kind(bytes).filter(|&name| name == "obj"))
-}
-
 /// Whether the bytes begin like text, without control characters other than whitespace.
 pub fn is_text(bytes: &[u8]) -> bool {
     let start = &bytes[..bytes.len().min(MAX_EXAMINED)];
@@ -68,6 +49,6 @@ pub fn is_text(bytes: &[u8]) -> bool {
 }
 
 /// Strips a byte order mark and leading whitespace.
-fn text_start(bytes: &[u8]) -> &[u8] {
+pub(super) fn text_start(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start()
 }

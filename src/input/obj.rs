@@ -43,8 +43,21 @@ pub(super) const OBJ: Reader = Reader {
     media_type: "model/obj",
     doc: "Wavefront OBJ: polygons, with crease, corner, hole and boundary tags",
     vertices: Vertices::Shared,
+    likeness: |file| file.text.split(|&byte| byte == b'\n').take(MAX_SEARCHED_LINES).any(is_statement).into(),
     read,
 };
+
+/// Maximum number of lines of a text that are searched for a statement. Half of it misses files with longer licences
+/// before their first vertex; twice of it searches more of other files in vain.
+const MAX_SEARCHED_LINES: usize = 100;
+
+/// Returns whether a line is a statement that begins most files.
+fn is_statement(line: &[u8]) -> bool {
+    let mut words = line.trim_ascii().split(u8::is_ascii_whitespace);
+    let key = words.next().unwrap_or_default();
+    let follows = words.next().is_some();
+    follows && [&b"v"[..], b"vn", b"vt", b"f", b"mtllib", b"o", b"g"].contains(&key)
+}
 
 fn read(file: &InputFile<'_>, limits: &ReadLimits) -> Result<ReadMesh, Vec<String>> {
     let text = text(file.bytes);

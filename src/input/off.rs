@@ -26,6 +26,7 @@ pub(super) const OFF: Reader = Reader {
     media_type: "model/off",
     doc: "Geomview OFF, COFF, NOFF, STOFF: polygons as text or binary",
     vertices: Vertices::Shared,
+    likeness: |file| file.first_word().ends_with(b"OFF").into(),
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 

@@ -32,6 +32,7 @@ pub(super) const PLY: Reader = Reader {
     media_type: "model/ply",
     doc: "Stanford PLY, text or binary: polygons, further numbers of vertices as channels",
     vertices: Vertices::Shared,
+    likeness: |file| (file.first_word() == b"ply").into(),
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 

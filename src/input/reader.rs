@@ -1,6 +1,7 @@
 //! The interface of mesh file readers, and the mesh that they return.
 
 use super::beside::InputFile;
+use super::likeness::{FileStart, Likeness};
 use crate::scheme::tags::Boundary;
 use crate::shape::attachments::ChannelInput;
 use crate::shape::check::FaceList;
@@ -20,6 +21,8 @@ pub struct Reader {
     pub doc: &'static str,
     /// Which face corners share a vertex.
     pub vertices: Vertices,
+    /// Tells how far a file resembles those of the format, where requests do not name it.
+    pub likeness: fn(&FileStart<'_>) -> Likeness,
     /// Reads a file. The memory that it takes is bounded by the [`weight`](super::room::weight) of the length of the
     /// bytes and of the files beside it, whatever counts they claim. Errors are sentences that name the fault by line
     /// or byte.

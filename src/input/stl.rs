@@ -24,27 +24,37 @@ pub(super) const STL: Reader = Reader {
     media_type: "model/stl",
     doc: "STL, text or binary; equal corners are joined",
     vertices: Vertices::Joined,
+    likeness: |file| (is_binary(file.bytes) || file.first_word() == b"solid").into(),
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
+
+/// Returns the number of triangles that a binary file announces, and its length in bytes with so many.
+fn announced(bytes: &[u8]) -> Option<(u32, usize)> {
+    let n = u32::from_le_bytes(bytes.get(STL_HEADER_BYTES..STL_START)?.try_into().ok()?);
+    Some((n, (n as usize).checked_mul(STL_TRIANGLE_BYTES)?.checked_add(STL_START)?))
+}
+
+/// Returns whether a file has the length that it announces as a binary file.
+fn is_binary(bytes: &[u8]) -> bool {
+    announced(bytes).is_some_and(|(_, length)| length == bytes.len())
+}
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     let mut soup = Soup { mesh: MeshBuilder::new(limits), solids: Vec::new() };
     // a binary file may also start with "solid", but its number of triangles has zero bytes, which no text has
     let is_text = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
         && !bytes.get(STL_HEADER_BYTES..STL_START).is_some_and(|n| n.contains(&0));
-    let announced = bytes.get(STL_HEADER_BYTES..STL_START).and_then(|n| n.try_into().ok()).map(u32::from_le_bytes);
-    let length = announced.and_then(|n| (n as usize).checked_mul(STL_TRIANGLE_BYTES)?.checked_add(STL_START));
     let n_bytes = bytes.len();
-    match (announced, length) {
-        (Some(_), Some(length)) if length == n_bytes => soup.read_binary(&bytes[STL_START..])?,
+    match announced(bytes) {
+        Some((_, length)) if length == n_bytes => soup.read_binary(&bytes[STL_START..])?,
         _ if is_text => soup.read_text(bytes)?,
-        (Some(n), Some(length)) => {
+        Some((n, length)) => {
             return Err(format!(
                 "byte {STL_HEADER_BYTES}: {n} triangles take {length} bytes, the file has {n_bytes}; send it whole, or \
                  as text that starts with \"solid\""
             ));
         }
-        _ => {
+        None => {
             return Err(format!(
                 "{n_bytes} bytes; a binary STL has at least {STL_START}, a text starts with \"solid\""
             ));

@@ -7,6 +7,7 @@ mod xml;
 
 use self::archive::Archive;
 use self::xml::XmlTags;
+use super::likeness::Likeness;
 use super::reader::{ReadLimits, ReadMesh, Reader, Vertices};
 use super::room::MemoryBudget;
 use super::text::quoted;
@@ -24,8 +25,25 @@ pub(super) const THREE_MF: Reader = Reader {
     media_type: "model/3mf",
     doc: "3MF: the objects of the build with unit, materials and colours",
     vertices: Vertices::Shared,
+    likeness: |file| likeness(file.bytes),
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
+
+/// The first bytes of a ZIP archive.
+const ZIP_START: &[u8] = b"PK\x03\x04";
+/// Number of bytes at the end of an archive that are searched for the name of a model: the list of some hundred files.
+/// Half of it misses models among many pictures; twice of it searches more of other archives in vain.
+const MAX_LIST_BYTES: usize = 64 << 10;
+
+/// Returns whether a file is a ZIP archive, and whether its list of files, at the end, names a model.
+fn likeness(bytes: &[u8]) -> Likeness {
+    let list = &bytes[bytes.len().saturating_sub(MAX_LIST_BYTES)..];
+    match bytes.starts_with(ZIP_START) {
+        true if list.windows(6).any(|window| window == b".model") => Likeness::Is,
+        true => Likeness::Begins,
+        false => Likeness::Unlike,
+    }
+}
 
 fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
     let archive = Archive::new(bytes)?;

@@ -27,6 +27,7 @@ pub(super) const USDA: Reader = Reader {
     media_type: "model/vnd.usda",
     doc: "USD as text: meshes with creases, corners, holes, uvs, primvars, subsets and materials",
     vertices: Vertices::Shared,
+    likeness: |file| (file.first_word() == b"#usda").into(),
     read: |file, limits| read(file.bytes, limits).map_err(|detail| vec![detail]),
 };
 

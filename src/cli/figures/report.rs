@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use base64::Engine;
+use quick_xml::escape::escape;
 use serde_json::Value;
 
 use super::compare::FigureDifference;
@@ -38,7 +39,7 @@ pub(super) fn write(folder: &Path, head: &str, differences: &[FigureDifference])
     let mut html = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Figures</title>\n\
          <style>{REPORT_CSS}</style></head><body>\n<h1>Figures</h1>\n<p>{}</p>\n",
-        escaped(head)
+        escape(head)
     );
     for difference in differences {
         of_one(folder, difference, &mut markdown, &mut html)?;
@@ -51,7 +52,7 @@ pub(super) fn write(folder: &Path, head: &str, differences: &[FigureDifference])
 fn of_one(folder: &Path, of: &FigureDifference, markdown: &mut String, html: &mut String) -> Result<(), CliError> {
     let (name, description) = (&of.name, of.describe());
     let _ = write!(markdown, "\n## {name}\n\n{description}\n");
-    let _ = write!(html, "<h2>{}</h2>\n<p>{}</p>\n<div class=\"row\">\n", escaped(name), escaped(&description));
+    let _ = write!(html, "<h2>{}</h2>\n<p>{}</p>\n<div class=\"row\">\n", escape(name), escape(&description));
     let shown = pictures(of);
     if !shown.is_empty() {
         let heads: Vec<&str> = shown.iter().map(|(what, ..)| *what).collect();
@@ -66,11 +67,11 @@ fn of_one(folder: &Path, of: &FigureDifference, markdown: &mut String, html: &mu
         let mark = if media_type.starts_with("image/") { "!" } else { "" };
         let _ = write!(markdown, " {mark}[{what}]({folder_name}/{}) |", file.replace(' ', "%20"));
         let shown = if media_type.starts_with("image/") {
-            format!("<img alt=\"{}\" src=\"{source}\">", escaped(what))
+            format!("<img alt=\"{}\" src=\"{source}\">", escape(what))
         } else {
-            format!("<a download=\"{}\" href=\"{source}\">{}</a>", escaped(&file), escaped(&file))
+            format!("<a download=\"{}\" href=\"{source}\">{}</a>", escape(&file), escape(&file))
         };
-        let _ = writeln!(html, "<figure>{shown}<figcaption>{}</figcaption></figure>", escaped(what));
+        let _ = writeln!(html, "<figure>{shown}<figcaption>{}</figcaption></figure>", escape(what));
     }
     html.push_str("</div>\n");
     markdown.push('\n');
@@ -89,7 +90,7 @@ fn numbers(of: &FigureDifference, markdown: &mut String, html: &mut String) {
     for (name, before, after) in of.numbers.iter().take(MAX_REPORTED_NUMBERS) {
         let (before, after) = (text(before), text(after));
         let _ = writeln!(markdown, "| {name} | {before} | {after} |");
-        let (name, before, after) = (escaped(name), escaped(&before), escaped(&after));
+        let (name, before, after) = (escape(name), escape(&before), escape(&after));
         let _ = writeln!(html, "<tr><td>{name}</td><td>{before}</td><td>{after}</td></tr>");
     }
     html.push_str("</table>\n");
@@ -103,8 +104,4 @@ fn media_type(file: &str) -> &'static str {
     let extension = file.rsplit('.').next().unwrap_or_default();
     let format = crate::output::FORMATS.iter().find(|format| format.extension() == extension);
     format.map_or("application/octet-stream", |format| format.media_type())
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use gltf::json::Root;
+use percent_encoding::percent_decode_str;
 use serde_json::value::RawValue;
 
 use super::census;
@@ -223,21 +224,8 @@ fn embedded(uri: &str) -> Result<Vec<u8>, String> {
 
 /// Reads a file beside the document, whose name may be percent-encoded.
 fn neighbour(uri: &str, beside: &dyn Beside, room: &mut MemoryBudget) -> Result<Vec<u8>, String> {
-    let bytes = beside.read(&percent_decoded(uri), u64::MAX)?;
+    let bytes = beside.read(&percent_decode_str(uri).decode_utf8_lossy(), u64::MAX)?;
     room.widen(bytes.len());
     room.take(bytes.len())?;
     Ok(bytes)
-}
-
-/// Resolves percent escapes (RFC 3986, section 2.1); invalid escapes stay as they are.
-fn percent_decoded(uri: &str) -> String {
-    let mut bytes = Vec::with_capacity(uri.len());
-    let mut rest = uri.as_bytes();
-    while let Some((&byte, after)) = rest.split_first() {
-        let escaped = after.get(..2).filter(|_| byte == b'%').and_then(|two| std::str::from_utf8(two).ok());
-        let escaped = escaped.and_then(|two| u8::from_str_radix(two, 16).ok());
-        bytes.push(escaped.unwrap_or(byte));
-        rest = if escaped.is_some() { &after[2..] } else { after };
-    }
-    String::from_utf8_lossy(&bytes).into_owned()
 }

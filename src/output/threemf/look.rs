@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use quick_xml::escape::partial_escape;
+
 use crate::output::colors::{byte, encoded};
 use crate::output::error::FormatError;
 use crate::output::numbers::whole;
@@ -32,7 +34,7 @@ pub(super) fn color(carried: &Attachments) -> Option<(usize, &Channel)> {
 
 /// Escapes a text as the value of an attribute in XML.
 pub(super) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    partial_escape(text).replace('"', "&quot;")
 }
 
 /// Returns a colour in sRGB, 0 to 1, as eight hexadecimal digits.
