@@ -42,7 +42,7 @@ impl Output {
     /// Returns the size including the description.
     pub(super) fn described(&self, bare: Size) -> Size {
         match &self.description {
-            Some(text) => description::size(self.format.name(), text, bare),
+            Some(text) => description::size(self.format.facts().description, text, bare),
             None => bare,
         }
     }

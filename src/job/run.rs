@@ -34,7 +34,7 @@ pub fn run_keeping(
     watch: &Watch,
 ) -> Result<Report, RunError> {
     let Some(text) = &output.description else { return made(admitted, output, kept, out, watch) };
-    let mut out = Describing::new(output.format.name(), text, out);
+    let mut out = Describing::new(output.format.facts().description, text, out);
     let report = made(admitted, output, kept, &mut out, watch)?;
     out.finish().map_err(RunError::Io)?;
     Ok(report)

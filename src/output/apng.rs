@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use super::counts::{Counts, ShapeKind};
+use super::description::DescriptionPlace;
 use super::error::FormatError;
 use super::figure::FigureExtent;
 use super::film::{self, DELAY, FRAMES, Film, RANGE, TURNTABLE};
@@ -49,6 +50,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Packed,
     doc: "A picture that moves: the camera goes around, or a parameter of the plan changes from frame to frame.",
     parameters: APNG_OPTIONS,
+    description: Some(DescriptionPlace::Png),
     holds,
     ..FormatFacts::USUAL
 };

@@ -7,6 +7,7 @@
 use std::io::{self, Write};
 
 use flate2::Crc;
+use quick_xml::escape::partial_escape;
 use serde_json::Value;
 
 use super::numbers::total;
@@ -21,9 +22,9 @@ const LINE_CHARS: usize = 1024;
 /// glTF documents have before their `asset`; twice of it buffers more of bytes that have no place for a description.
 const MAX_BYTES_BEFORE: usize = 64 << 20;
 
-/// The place of the description in a format.
+/// The place of the description of a job in the files of a format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum DescriptionPlace {
+pub enum DescriptionPlace {
     /// The description is a chunk `tEXt` after the first chunk of a PNG.
     Png,
     /// The description is an element `metadata`, the first of an SVG.
@@ -36,29 +37,9 @@ enum DescriptionPlace {
     Lines(&'static str, usize),
 }
 
-/// The formats that hold descriptions.
-const DESCRIBED_FORMATS: [(&str, DescriptionPlace); 7] = [
-    ("obj", DescriptionPlace::Lines("#", 1)),
-    ("glb", DescriptionPlace::Glb),
-    ("gltf", DescriptionPlace::Gltf),
-    ("ply", DescriptionPlace::Lines("comment", 3)),
-    ("png", DescriptionPlace::Png),
-    ("apng", DescriptionPlace::Png),
-    ("svg", DescriptionPlace::Svg),
-];
-
-/// Returns the names of the formats that hold descriptions.
-pub fn described() -> impl Iterator<Item = &'static str> {
-    DESCRIBED_FORMATS.iter().map(|(name, _)| *name)
-}
-
-fn place(format: &str) -> Option<DescriptionPlace> {
-    DESCRIBED_FORMATS.iter().find(|(name, _)| *name == format).map(|(_, place)| *place)
-}
-
-/// Returns the size of bytes of a format with a description.
-pub fn size(format: &str, description: &str, bare: Size) -> Size {
-    let Some(place) = place(format) else { return bare };
+/// Returns the size of bytes with a description, `bare` without one, for a format that has this place for it, if any.
+pub fn size(place: Option<DescriptionPlace>, description: &str, bare: Size) -> Size {
+    let Some(place) = place else { return bare };
     let added = place.written(description).len() as u128;
     let with = |bytes| total(&[(1, bytes), (1, added)]);
     match bare {
@@ -80,7 +61,7 @@ impl DescriptionPlace {
                 [&length[..], &chunk].concat()
             }
             Self::Svg => {
-                let text = description.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+                let text = partial_escape(description);
                 format!("<metadata id=\"{DESCRIPTION_NAME}\">{text}</metadata>\n").into_bytes()
             }
             Self::Gltf => format!("\"extras\":{{\"{DESCRIPTION_NAME}\":{description}}},").into_bytes(),
@@ -133,8 +114,8 @@ struct Put {
 
 impl<'a> Describing<'a> {
     /// Wraps `out`; bytes pass unchanged if the format has no place for a description.
-    pub fn new(format: &str, description: &str, out: &'a mut dyn Write) -> Self {
-        let put = place(format).map(|place| Put { place, text: place.written(description), before: Vec::new() });
+    pub fn new(place: Option<DescriptionPlace>, description: &str, out: &'a mut dyn Write) -> Self {
+        let put = place.map(|place| Put { place, text: place.written(description), before: Vec::new() });
         Self { out, put }
     }
 

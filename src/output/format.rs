@@ -4,6 +4,7 @@ use std::fmt;
 use std::io::Write;
 
 use super::counts::{Counts, ShapeKind};
+use super::description::DescriptionPlace;
 use super::error::FormatError;
 use super::options::IDS;
 use super::picture::outline::Outline;
@@ -36,6 +37,8 @@ pub struct FormatFacts {
     pub made_of: MadeOf,
     /// Whether the bytes depend on the plan even if none of its levels was applied.
     pub tells_plan: bool,
+    /// The place of the description of a job in the bytes, if they can hold one.
+    pub description: Option<DescriptionPlace>,
     /// The kind of figure that can be composed of pictures in this format, if any.
     pub paper: Option<Paper>,
     /// Whether the format holds several frames of a mesh.
@@ -58,6 +61,7 @@ impl FormatFacts {
         parameters: &[],
         made_of: MadeOf::Points,
         tells_plan: false,
+        description: None,
         paper: None,
         holds_frames: false,
         has_no_tags: false,

@@ -6,6 +6,7 @@ use crate::fault::Fault;
 use crate::math::amounts::in_bytes;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
+use crate::output::description::DescriptionPlace;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::gltf_amounts::{self, Amounts, GltfContents, split_vertices};
@@ -44,6 +45,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Binary,
     doc: "Binary glTF 2.0: triangles with normals, or line strips, in f32",
     parameters: GLTF_OPTIONS,
+    description: Some(DescriptionPlace::Glb),
     holds_frames: true,
     holds: |kind, _| holds_space("glb", kind),
     has_no_tags: true,

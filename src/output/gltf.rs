@@ -8,6 +8,7 @@ use base64::write::EncoderWriter;
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
+use crate::output::description::DescriptionPlace;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Details, Format, FormatFacts, Requirements};
 use crate::output::gltf_amounts::{self, Amounts, GltfContents};
@@ -49,6 +50,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Json,
     doc: "Self-contained glTF 2.0 in JSON: as glb, with the numbers as base64",
     parameters: ALL_PARAMETERS,
+    description: Some(DescriptionPlace::Gltf),
     holds_frames: true,
     holds: |kind, _| holds_space("gltf", kind),
     has_no_tags: true,

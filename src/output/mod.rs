@@ -1,4 +1,4 @@
-//! Formats: each writes a scene; the registry is the only place that lists them.
+//! Formats: each writes a scene. Only the registry lists them.
 
 pub mod description;
 pub mod figure;
@@ -21,6 +21,7 @@ mod counts;
 mod curvature;
 mod error;
 mod farthest;
+mod find;
 mod format;
 mod glb;
 mod gltf;
@@ -68,6 +69,7 @@ mod vertex_sums;
 pub use counts::{Counts, ShapeKind};
 pub use error::FormatError;
 pub use farthest::{Farthest, Measured};
+pub use find::{described, named};
 pub use format::{Content, Costs, Details, Format, FormatFacts, MadeOf, Paper, ParameterRange, Requirements};
 pub use obj::WITHOUT_LIBRARY;
 pub use options::{CAGE, DIRECTION_ITEMS, LIMIT, POSITIONS, TANGENTS};
@@ -76,8 +78,3 @@ pub use picture::outline::Outline;
 pub use picture::shading::shows_distances;
 pub use registry::FORMATS;
 pub use size::Size;
-
-/// Returns the format with this name.
-pub fn named(name: &str) -> Option<&'static dyn Format> {
-    FORMATS.iter().copied().find(|format| format.name() == name)
-}

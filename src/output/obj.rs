@@ -6,6 +6,7 @@ use crate::fault::Fault;
 use crate::math::parameter::{Parameter, ParameterKind, Values};
 use crate::output::colors::within;
 use crate::output::counts::{Counts, ShapeKind};
+use crate::output::description::DescriptionPlace;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::hard_edges::HardEdges;
@@ -79,6 +80,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Text,
     doc: "Wavefront OBJ: polygons as they are, shortest decimals that read back exactly",
     parameters: &[POSITIONS, NORMALS, IDS, LIBRARY],
+    description: Some(DescriptionPlace::Lines("#", 1)),
     holds: |kind, _| holds_space("obj", kind),
     ..FormatFacts::USUAL
 };

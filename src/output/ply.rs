@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
+use crate::output::description::DescriptionPlace;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Requirements};
 use crate::output::hard_edges::HardEdges;
@@ -53,6 +54,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Binary,
     doc: "Stanford PLY: polygons as they are, f64 or f32 coordinates, binary little endian or text",
     parameters: PLY_OPTIONS,
+    description: Some(DescriptionPlace::Lines("comment", 3)),
     holds: |kind, _| holds_space("ply", kind),
     has_no_tags: true,
     ..FormatFacts::USUAL

@@ -9,6 +9,7 @@ use crate::fault::Fault;
 use crate::math::parameter::{Default, Parameter, ParameterKind, Value, Values};
 use crate::output::color_maps::COLOR_MAP;
 use crate::output::counts::{Counts, ShapeKind};
+use crate::output::description::DescriptionPlace;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Paper, Requirements};
 use crate::output::hard_edges::{self, CREASE_ANGLE};
@@ -126,6 +127,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Packed,
     doc: "A picture in pixels: a lit mesh with hidden lines removed, or curves with their control polygons.",
     parameters: PNG_OPTIONS,
+    description: Some(DescriptionPlace::Png),
     paper: Some(Paper::Png),
     holds: |kind, _| options::drawable(kind),
     ..FormatFacts::USUAL

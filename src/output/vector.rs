@@ -6,6 +6,7 @@ use crate::drawing::{pdf, svg};
 use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
+use crate::output::description::DescriptionPlace;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Paper, Requirements};
 use crate::output::picture::options::Options;
@@ -36,6 +37,7 @@ const SVG_FACTS: &FormatFacts = &FormatFacts {
     doc: "A drawing in paths that scale: of curves with their control polygons, of a mesh without its hidden lines, or \
           of plane sections of a mesh.",
     parameters: vector::VECTOR_OPTIONS,
+    description: Some(DescriptionPlace::Svg),
     paper: Some(Paper::Svg),
     holds: vector::holds,
     ..FormatFacts::USUAL

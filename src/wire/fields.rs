@@ -9,7 +9,7 @@ use super::output::{DESCRIBE, FRAME};
 use super::plan::PlanRequest;
 use super::written::{number, numbers, object, written};
 use crate::math::parameter::{Parameter, ParameterKind};
-use crate::output::{FORMATS, description};
+use crate::output::{self, FORMATS};
 
 /// The input field that names an upload. Flags and queries leave it out, because they accompany a mesh file.
 const UPLOAD: &str = "blob";
@@ -101,7 +101,7 @@ pub(crate) fn fields() -> Vec<Field> {
 
 /// Returns the options of all formats, each name once, in the order of the formats.
 pub(crate) fn output_fields() -> Vec<OutputField> {
-    let describes = description::described().map(|format| (format, &DESCRIBE)).collect();
+    let describes = output::described().map(|format| (format, &DESCRIBE)).collect();
     let mut found = vec![
         OutputField { name: FRAME.name, declared: vec![("every format", &FRAME)] },
         OutputField { name: DESCRIBE.name, declared: describes },

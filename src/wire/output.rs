@@ -8,7 +8,7 @@ use super::literal::{WireFields, WireLiteral, written};
 use crate::fault::{Fault, did_you_mean, shortened, under};
 use crate::job::Output;
 use crate::math::parameter::{Literal, Parameter, ParameterKind, Values};
-use crate::output::{self, Format, POSITIONS, description};
+use crate::output::{self, Format, POSITIONS};
 use crate::shape::mesh::MAX_MESH_FRAMES;
 
 /// Maximum number of outputs of one job.
@@ -149,8 +149,8 @@ pub(super) fn output(request: &OutputRequest, index: usize) -> Result<Output, Ve
             |fault: Fault| Fault { detail: fault.detail.replace("unknown parameter", "unknown option"), ..fault };
         faults.into_iter().map(known).collect::<Vec<_>>()
     })?;
-    if describes && !description::described().any(|name| name == format.name()) {
-        let can: Vec<&str> = description::described().collect();
+    if describes && !output::described().any(|name| name == format.name()) {
+        let can: Vec<&str> = output::described().collect();
         let detail = format!("{} has no place for a description; ask for {}", format.name(), can.join(", "));
         return Err(vec![Fault::new("/describe", detail)]);
     }
@@ -185,7 +185,7 @@ pub(super) const DESCRIBE: Parameter = Parameter::flag(
 
 /// Returns the common fields of the format with this name.
 pub(super) fn common(format: &str) -> Vec<Parameter> {
-    let describes = description::described().any(|name| name == format);
+    let describes = output::described().any(|name| name == format);
     [FRAME].into_iter().chain(describes.then_some(DESCRIBE)).collect()
 }
 

@@ -4,7 +4,8 @@
 use planish::job::limits::{Admitted, Limits};
 use planish::job::run;
 use planish::output::Size;
-use planish::output::description::{described, description};
+use planish::output::described;
+use planish::output::description::description;
 use planish::watch::Watch;
 use planish::wire::JobRequest;
 use serde_json::{Value, json};
