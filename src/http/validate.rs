@@ -86,10 +86,9 @@ pub(crate) fn report(Examined { faults, input, plan, .. }: Examined) -> Validate
     answer
 }
 
-/// Returns the plan for which latitude lines are checked (push-back if the job has none), or why it does not fit the
-/// input.
+/// Returns the plan for which latitude lines are checked (the usual one for them if the job has none), or why it does
+/// not fit the input.
 fn judge(input: &Input, plan: Option<PlanInput>) -> Result<Plan, String> {
-    let usual = || PlanInput { preset: Some("push-back".into()), ..PlanInput::default() };
-    let plan = plan.unwrap_or_else(usual);
+    let plan = plan.unwrap_or_else(PlanInput::usual_for_latitude_lines);
     input.plan(&plan).map_err(|faults| faults.into_iter().next().map_or_else(String::new, |fault| fault.detail))
 }

@@ -12,14 +12,11 @@ use super::sweep::Sweep;
 use super::swept::swept;
 use super::vertex_order::VertexOrder;
 use crate::kept::Numbers;
-use crate::scheme::letter::Letter;
 use crate::scheme::mesh_net::MeshNet;
-use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::sharpness::Sharpness;
 use crate::scheme::stepper::Stepper;
 use crate::scheme::tags::Boundary;
-use crate::scheme::word::lettered;
 use crate::shape::attachments::Places;
 use crate::shape::creases::{INFINITE_SHARPNESS, Sharp};
 use crate::shape::directions::Directions;
@@ -74,7 +71,7 @@ pub(super) fn seam_sweeps(mesh: &Mesh, plan: &Plan, steps: &[Scheduled]) -> Vec<
 
 /// Returns the steps that face-corner values follow: all steps, or linear upsamplings only.
 pub(super) fn followed<'a>(seams: &Seams, steps: &'a [Scheduled]) -> Cow<'a, [Scheduled]> {
-    if seams.linear { upsamplings(steps).into() } else { steps.into() }
+    if seams.linear { steps.iter().filter_map(Scheduled::linear).collect() } else { steps.into() }
 }
 
 /// Refines everything of a mesh that has seams by the given sweeps, or by rows where there is no sweep.
@@ -123,7 +120,7 @@ fn by_rows(
     let Places { width, values, seams } = places;
     let (mut net, mut points) = (seam_net(mesh, seams, plan), Points::new(values.to_vec(), width));
     if seams.linear {
-        for step in upsamplings(steps) {
+        for step in steps.iter().filter_map(Scheduled::linear) {
             // linear steps do not use per-vertex parameters
             let next = Stepper::new(plan).next_from(&net, &step, None).map_err(RefineError::at(&step))?;
             points.act(&next.action, step.level, watch)?;
@@ -134,13 +131,6 @@ fn by_rows(
     }
     let order = VertexOrder::constructed(&net);
     Ok(RefinedPlaces { points: points.now.into(), width, base: net.mesh.base, order })
-}
-
-/// Replaces each upsampling of a plan by linear upsampling and drops all other steps.
-fn upsamplings(steps: &[Scheduled]) -> Vec<Scheduled> {
-    let operator = lettered('U').expect("U is an operator");
-    let upsampling = steps.iter().filter(|step| step.letter.facts().role == Role::Upsample);
-    upsampling.map(|step| Scheduled { letter: Letter { operator, ..step.letter.clone() }, ..step.clone() }).collect()
 }
 
 /// Returns the net of face-corner values before refinement. A place at a vertex that keeps its position keeps its

@@ -11,7 +11,7 @@ use super::operator::{Role, Standard};
 use super::parameters::DEFAULT_MU;
 use super::rules::{LatitudeRule, Rules};
 use super::tags::Boundary;
-use super::word::Word;
+use super::word::{Word, lettered};
 use crate::math::expression::Expression;
 use crate::math::parameter::Literal;
 use crate::shape::tile::Tile;
@@ -34,6 +34,13 @@ pub struct PlanInput {
     pub ends: Ends,
     /// Seed of random perturbation.
     pub seed: u64,
+}
+
+impl PlanInput {
+    /// Returns the plan by which latitude lines are judged where no plan is given.
+    pub fn usual_for_latitude_lines() -> Self {
+        Self { preset: Some("push-back".to_owned()), ..Self::default() }
+    }
 }
 
 /// The properties of the input to which a plan is applied.
@@ -165,6 +172,15 @@ pub struct Scheduled {
     pub kernel: f64,
     /// Value of the compensation.
     pub compensation: f64,
+}
+
+impl Scheduled {
+    /// Returns the linear upsampling in place of this step if it is an upsampling, and `None` for all other steps.
+    pub fn linear(&self) -> Option<Self> {
+        let operator = lettered('U').expect("U is an operator");
+        let is_upsampling = self.letter.facts().role == Role::Upsample;
+        is_upsampling.then(|| Self { letter: Letter { operator, ..self.letter.clone() }, ..self.clone() })
+    }
 }
 
 impl Perturbation {

@@ -53,9 +53,11 @@ impl LetterSettings {
         self.exact_mask.as_deref()
     }
 
-    /// Returns all values.
+    /// Returns all values, by which settings are equal and which enter keys.
     pub fn values(&self) -> &Values {
-        &self.values
+        // the exact entries of a mask follow from how its values were written
+        let Self { values, exact_mask: _ } = self;
+        values
     }
 
     /// Returns the number of new points per old one; 2 if no arity is declared.

@@ -10,6 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use imports::{Crate, circles};
+use planish::scheme::presets::PRESETS;
 
 /// Every root module of the crate with its floor; all modules may use leaves, which are on no floor.
 const FLOORS: &[(&str, u32)] = &[
@@ -234,6 +235,20 @@ const NAMED: &[(&str, &[&str])] = &[
     ("output/usda/cage.rs", &["catmull"]),
     ("wire/schema.rs", &["incenter"]),
 ];
+/// The files outside `scheme/` that have the name of a preset between quotes: example jobs, tests of suggestions, a
+/// role, a parameter, and words of STL, USD and glTF.
+const QUOTED: &[(&str, &[&str])] = &[
+    ("cli/analyse.rs", &["mask"]),
+    ("fault.rs", &["catmull-clark", "loop", "butterfly"]),
+    ("http/canary.rs", &["catmull-clark"]),
+    ("http/document_examples.rs", &["push-back", "four-point", "catmull-clark"]),
+    ("input/stl.rs", &["loop"]),
+    ("output/usda/cage.rs", &["loop", "bilinear"]),
+    ("shape/looks.rs", &["mask"]),
+    ("wire/analysis/markdown.rs", &["mask"]),
+    ("wire/analysis/matrices.rs", &["push-back"]),
+    ("wire/look.rs", &["mask"]),
+];
 
 #[test]
 fn schemes_are_named_in_their_own_folder_only() {
@@ -244,6 +259,10 @@ fn schemes_are_named_in_their_own_folder_only() {
             let plain: String = line.to_lowercase().chars().filter(|c| !matches!(c, '-' | '_' | ' ')).collect();
             let named = SCHEMES.iter().find(|name| plain.contains(**name) && !allowed.contains(name));
             assert!(named.is_none(), "{path}:{}: schemes are named in scheme/ only: {line}", i + 1);
+            let allowed = QUOTED.iter().find(|(file, _)| *file == path).map_or(&[][..], |(_, names)| names);
+            let mut presets = PRESETS.iter().map(|preset| preset.name).filter(|name| !allowed.contains(name));
+            let quoted = presets.find(|name| line.contains(&format!("\"{name}\"")));
+            assert!(quoted.is_none(), "{path}:{}: presets are named in scheme/ only: {line}", i + 1);
         }
     }
 }
