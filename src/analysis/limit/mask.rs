@@ -7,10 +7,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::cycle::{Child, Cycle};
 use super::disc::{Centre, Disc, RingCount};
 use super::error::Unlimited;
+use super::leading::starting_vectors;
 use super::rotation;
 use super::sector::{SectorSupport, Sectors};
 use super::skeleton::{Skeletons, TracedLevel};
-use super::tangent::{self, NoTangents, starting_vectors};
+use super::tangent::{self, NoTangents};
 use super::vertex_parameters::{CommonParameters, VertexParameters};
 
 /// Maximum number of levels within which the disc of a child must repeat. Each level moves vertices that differ from
