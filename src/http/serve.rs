@@ -46,7 +46,7 @@ use crate::service::store::{Bucket, MemoryStore, Records, STORES, Store, StoreLo
 use crate::service::tiers::Tiers;
 use crate::service::uploads::Uploads;
 use crate::wire::batch::layout;
-use crate::wire::read::weight;
+use crate::wire::read::reading_memory;
 
 /// The reason why the service did not start.
 #[derive(Debug, thiserror::Error)]
@@ -231,7 +231,7 @@ fn stores(settings: &Settings, account: &Account, clock: &Arc<dyn Clock>) -> Res
 /// be above the total. That is 32 MiB with the default memory.
 fn longest_body(account: &Account) -> u64 {
     let room = account.reading.capacity + (384 << 20);
-    (account.bodies.capacity / 2).min(room / (weight(1) - weight(0)))
+    (account.bodies.capacity / 2).min(room / (reading_memory(1) - reading_memory(0)))
 }
 
 fn listen(address: std::net::SocketAddr) -> io::Result<TcpListener> {

@@ -32,7 +32,7 @@ fn joined(n: usize, text: impl Fn(usize) -> String) -> String {
 
 fn check(name: &str, format: &str, file: &[u8]) {
     let (taken, length) = (peak(format, file), file.len() as u64);
-    let most = input::weight(length);
+    let most = input::reading_memory(length);
     assert!(taken <= most, "{format}, {name}: {length} bytes take {taken}, {most} are allowed");
 }
 
@@ -286,9 +286,12 @@ fn check_job(name: &str, job: &str) {
     let (mut kept, length) = (None, job.len() as u64);
     let work = || read::<JobRequest>(job.as_bytes()).map(JobRequest::resolve);
     let taken = measure(|| kept = Some(work())).bytes_max;
-    let most = planish::wire::read::weight(length);
+    let most = planish::wire::read::reading_memory(length);
     // without the constant part of the bound, so that a list that takes too much is found in a short file
-    assert!(taken <= most - planish::wire::read::weight(0) + 4096, "{name}: {length} bytes take {taken}: {kept:?}");
+    assert!(
+        taken <= most - planish::wire::read::reading_memory(0) + 4096,
+        "{name}: {length} bytes take {taken}: {kept:?}"
+    );
 }
 
 #[test]
