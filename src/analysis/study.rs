@@ -31,8 +31,8 @@ const PREDICTING_LEVELS: usize = 3;
 /// of it would admit 1.
 const MAX_DECAY_PRODUCT: f64 = 0.9;
 /// Distance from the limit scheme from which on it can be told from rounding: the rounding of masks leaves some six
-/// digits of it. Half of it leaves a third of a digit less, and twice of it more; either counts a level more or less where
-/// distances halve from level to level.
+/// digits of it. Half of it leaves a third of a digit less, and twice of it more; either counts a level more or less
+/// where distances halve from level to level.
 pub(super) const LEAST_SCHEME_DISTANCE: f64 = 1e-9;
 
 /// A plan as a curve scheme.

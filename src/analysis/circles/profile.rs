@@ -3,7 +3,7 @@
 //! the curve scheme.
 
 use super::ring::TubeRing;
-use crate::math::functions::{cos, sqrt};
+use crate::math::functions::cos;
 use crate::math::vector::{Complex, cross, dot, length, times};
 use crate::scheme::operator::Role;
 use crate::scheme::plan::Scheduled;
@@ -47,8 +47,7 @@ impl Profile {
 
     /// Returns the radius of the ring of the line.
     pub(super) fn radius(&self) -> f64 {
-        let [x, y] = self.here();
-        sqrt(x * x + y * y)
+        length(self.here())
     }
 
     /// Returns whether the ring of the line has not moved from `before`, up to rounding.

@@ -5,7 +5,8 @@
 //! dependency, and its result for a double eigenvalue would depend on rounding.) The eigenvalue 1 is split off exactly:
 //! M keeps rows that sum to 0 and columns that the limit mask maps to 0.
 
-use super::small::{Vectors, dot, leading_basis, leading_block, mixed, orthonormalise, times};
+use super::small::{Vectors, leading_basis, leading_block, mixed, orthonormalise, times};
+use crate::math::dense::dot;
 use crate::math::functions::{real, sqrt};
 
 /// Number of vectors that are iterated together. At most five of them are taken as eigenvectors, so that three are left
@@ -25,8 +26,8 @@ const MAX_LOOKS: usize = 8;
 /// twice of it refuses surfaces whose third eigenvalue is less than 2e-5 below the second.
 const LEAST_EIGENVALUE_GAP: f64 = 1e-5;
 /// Maximum norm of the part of the images of the two vectors outside their span, relative to their eigenvalues. It is
-/// 45,000 times the rounding of 1, as sums over wide discs need, and a hundredth of the smallest sine that counts in the
-/// characteristic map. Half of it may need another check; twice of it may save one, with less accurate last digits.
+/// 45,000 times the rounding of 1, as sums over wide discs need, and a hundredth of the smallest sine that counts in
+/// the characteristic map. Half of it may need another check; twice of it may save one, with less accurate last digits.
 const MAX_RESIDUAL: f64 = 1e-11;
 /// How far below 0 the discriminant of the two largest eigenvalues may be, relative to the square of their sum, so that
 /// they count as a double real one, of which rounding makes a pair of conjugates. The discriminant is wrong by a few

@@ -1,5 +1,6 @@
 //! Small matrices and the eigenspaces of their largest eigenvalues.
 
+use crate::math::dense::dot;
 use crate::math::functions::{exp, ln, sqrt};
 
 /// Number of squarings of the small matrix before it is iterated: each step applies its 32nd power. Half of it applies
@@ -11,8 +12,8 @@ const SMALL_SQUARINGS: usize = 5;
 /// long if they are equal.
 const MAX_INNER: usize = 800;
 /// Maximum part of the images of the first vectors in the others, relative to the largest entry of these images, at
-/// which the iteration ends. It is 450 roundings of 1, more than those of a few products of eight terms each. Half of it
-/// takes a step more where eigenvalues are close; twice of it leaves twice as much of the other eigenvectors.
+/// which the iteration ends. It is 450 roundings of 1, more than those of a few products of eight terms each. Half of
+/// it takes a step more where eigenvalues are close; twice of it leaves twice as much of the other eigenvectors.
 const MAX_MIXING: f64 = 1e-13;
 /// Maximum length of what is left of a vector that depends on those before it, relative to its length before: 45
 /// roundings of 1. Half of it comes closer to the rounding of the products that are subtracted, and would make a vector
@@ -105,9 +106,4 @@ pub(super) fn orthonormalise(vectors: &mut [Vec<f64>]) {
         let scale = if length > DEPENDENT_SHARE * original { 1.0 / length } else { 0.0 };
         vector.iter_mut().for_each(|x| *x *= scale);
     }
-}
-
-/// Returns the dot product.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

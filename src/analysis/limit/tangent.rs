@@ -9,10 +9,11 @@
 
 use super::disc::Centre;
 use super::leading::{Chain, LEAST_NILPOTENT_SIZE, Leading, leading};
-use super::small::{Vectors, dot, mixed};
+use super::small::{Vectors, mixed};
+use crate::math::dense::dot;
 use crate::math::functions::{exp, ln, real, sqrt};
 use crate::math::planar;
-use crate::math::vector::cross;
+use crate::math::vector::{cross, length, minus};
 
 /// Maximum number of faces around a vertex, or of corners of a face, for which tangents are searched. Around n faces
 /// the eigenvalues of the vectors that oscillate once and four times around the centre differ by about `100/n^2`,
@@ -35,8 +36,8 @@ const LEAST_LEFT_RIGHT_PRODUCT: f64 = 1e-9;
 /// times. Half of it is fifty times; twice of it refuses edges that are 2e-9 of the map long.
 const LEAST_MAPPED_LENGTH: f64 = 1e-9;
 /// Minimum absolute sine of an angle of a face in the characteristic map that tells to which side the face turns. It is
-/// a hundred times the residual of the eigenvectors, 1e-11. Half of it is fifty times; twice of it counts angles of 2e-9
-/// radians as straight.
+/// a hundred times the residual of the eigenvectors, 1e-11. Half of it is fifty times; twice of it counts angles of
+/// 2e-9 radians as straight.
 const LEAST_MAPPED_SINE: f64 = 1e-9;
 
 /// The reason for which there are no tangents.
@@ -193,8 +194,8 @@ fn turns_left(centre: Centre, faces: &[&[u32]], place: impl Fn(u32) -> [f64; 2])
     for face in faces {
         for i in 0..face.len() {
             let [p, q, r] = [i + face.len() - 1, i, i + 1].map(|k| place(face[k % face.len()]));
-            let (a, b) = ([r[0] - q[0], r[1] - q[1]], [p[0] - q[0], p[1] - q[1]]);
-            let lengths = [a, b].map(|[x, y]| sqrt(x * x + y * y));
+            let (a, b) = (minus(r, q), minus(p, q));
+            let lengths = [a, b].map(length);
             if lengths[0].min(lengths[1]) <= LEAST_MAPPED_LENGTH * extent {
                 return Err(NoTangents::Eigenvalues);
             }

@@ -5,7 +5,7 @@
 //! `(z - B)^-1 r = r / z + (z - B)^-1 B r / z`. With `|(z - B)^-1| <= g` and `|B r| <= e` there is exactly one such
 //! eigenvalue, simple and real, within `v |l| g e` of v (Rouche), and its eigenvector differs from r by at most `g e`.
 
-use crate::math::dense::Dense;
+use crate::math::dense::{Dense, dot};
 
 /// Bound of the relative error of weights against the exact weights of the scheme. A weight is made in some ten
 /// operations with errors of 1e-16 each, and multiplied through some ten actions. Half of it leaves no room for longer
@@ -48,10 +48,10 @@ impl Enclosure {
     pub(super) fn of(matrix: &Dense, near: f64, theta: f64) -> Option<Self> {
         let right = matrix.eigenvector(near);
         let left = matrix.transposed().eigenvector(near);
-        let product: f64 = left.iter().zip(&right).map(|(l, r)| l * r).sum();
+        let product = dot(&left, &right);
         let left: Vec<f64> = left.iter().map(|l| l / product).collect();
         let image = matrix.times_column(&right);
-        let value: f64 = left.iter().zip(&image).map(|(l, x)| l * x).sum();
+        let value = dot(&left, &image);
         let mut rest = matrix.clone();
         for (i, r) in right.iter().enumerate() {
             left.iter().enumerate().for_each(|(j, l)| *rest.at_mut(i, j) -= value * r * l);

@@ -3,6 +3,7 @@
 use super::blocks::{Component, FourierBlock};
 use super::local::LocalRows;
 use super::sectors::{LatticePoint, NetKind};
+use crate::math::dense::dot;
 use crate::math::functions::{cos, real, sin};
 use crate::math::spectrum::{Eigenvalue, eigenvalues};
 use crate::watch::{Stopped, Watch};
@@ -103,7 +104,7 @@ impl Spectrum {
     /// Returns the left eigenvector for 1 in the block of index 0, scaled to the product 1 with [`Self::ones`].
     pub(super) fn limit_row(&self) -> Vec<f64> {
         let left = self.blocks[0].matrix.transposed().eigenvector(1.0);
-        let sum: f64 = left.iter().zip(self.ones()).map(|(l, one)| l * one).sum();
+        let sum = dot(&left, &self.ones());
         left.iter().map(|l| l / sum).collect()
     }
 

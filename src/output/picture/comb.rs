@@ -2,7 +2,7 @@
 
 use super::easel::Easel;
 use crate::drawing::PolylinePoints;
-use crate::math::vector::{Vector, cross, dot, minus, times, unit};
+use crate::math::vector::{Vector, cross, dot, length, minus, times, unit};
 use crate::output::error::FormatError;
 use crate::output::scene::{Curve, ROWS_PER_CHUNK};
 use crate::watch::Watch;
@@ -58,12 +58,12 @@ pub(super) fn combs(
         return Ok(comb);
     }
     let longest = LONGEST_TOOTH * usual;
-    let length = scale * TOOTH_LENGTH * side_px / unit_px / usual;
+    let stretch = scale * TOOTH_LENGTH * side_px / unit_px / usual;
     for (curve, bends) in curves.iter().zip(&bends) {
         let end = |i: usize, bend: &Vector| {
             let size = dot(*bend, *bend).sqrt();
             let shown = if size > longest { times(longest / size, *bend) } else { *bend };
-            minus(easel.lifted(curve, i), times(length, shown))
+            minus(easel.lifted(curve, i), times(stretch, shown))
         };
         let (mut last, mut ends) = (None::<[f64; 2]>, Vec::new());
         for (i, bend) in bends.iter().enumerate() {
@@ -73,7 +73,7 @@ pub(super) fn combs(
             let (foot, tip) = (easel.place(easel.lifted(curve, i)), easel.place(end(i, bend)));
             let (Some(foot), Some(tip)) = (foot, tip) else { continue };
             ends.push(short(tip));
-            let far = last.is_none_or(|last| distance(last, foot) >= SPACING_PX);
+            let far = last.is_none_or(|last| length(minus(foot, last)) >= SPACING_PX);
             if far && bend.iter().any(|x| x.abs() > 0.0) {
                 comb.teeth.push(vec![short(foot), short(tip)]);
                 last = Some(foot);
@@ -136,7 +136,7 @@ pub(super) fn tangents(
                 if curve.closed { ((i + n - 1) % n, (i + 1) % n) } else { (i.max(1) - 1, (i + 1).min(n - 1)) };
             let ends = [before, i, after].map(|k| easel.place(easel.lifted(curve, k)));
             let [Some(a), Some(p), Some(b)] = ends else { continue };
-            let size = distance(a, b);
+            let size = length(minus(b, a));
             if size > 0.0 {
                 let half = 0.5 * TANGENT_LENGTH * side_px / size;
                 let way = [half * (b[0] - a[0]), half * (b[1] - a[1])];
@@ -145,11 +145,6 @@ pub(super) fn tangents(
         }
     }
     Ok(found)
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-    (dx * dx + dy * dy).sqrt()
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
