@@ -113,7 +113,9 @@ const SEND_BUFFER_BYTES: u32 = 512 << 10;
 /// Maximum number of connections that the system holds until they are accepted; the system may set a lower limit. Half
 /// of it refuses bursts half as large; twice of it lets as many more wait.
 const BACKLOG: u32 = 1024;
-/// Maximum time of a computation in the short lane: four times the prediction from which on work counts as long.
+/// Maximum time of a computation in the short lane: four times the prediction from which on work counts as long. Half
+/// of it moves work that was predicted to take half as long as it does; twice of it lets one computation hold up the
+/// short ones for two seconds.
 const SHORT_TIME: Duration = Duration::from_secs(1);
 
 /// Opens stores, compute threads and listener.

@@ -40,7 +40,8 @@ pub(super) fn milliseconds(rows: u128, sizes: &[Size]) -> u128 {
 
 /// Returns the number of pairs of faces around a vertex, or of corners of a face, over all large vertices and faces.
 fn pairs(topology: &Topology) -> u128 {
-    /// Maximum number of faces around a vertex that is covered by the other rows.
+    /// Maximum number of faces around a vertex that is covered by the other rows. Half of it counts the pairs of
+    /// valences 9 to 16 twice; twice of it leaves out up to 1,024 pairs of a vertex.
     const COVERED_VALENCE: usize = 16;
     let square = |n: usize| if n > COVERED_VALENCE { (n as u128).saturating_mul(n as u128) } else { 0 };
     let vertices = (0..topology.n_vertices()).map(|v| square(topology.ring(v).count()));

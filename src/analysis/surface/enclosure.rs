@@ -11,6 +11,9 @@ use crate::math::dense::{Dense, dot};
 /// operations with errors of 1e-16 each, and multiplied through some ten actions. Half of it leaves no room for longer
 /// words; twice of it changes bounds by as much.
 const WEIGHT_ERROR: f64 = 2e-14;
+/// What is added to the radius of an eigenvalue below 1 for the rounding of the value itself: 45 units in the last
+/// place of 1. Half of it still covers sums of some dozen terms; twice of it widens the radius by as much.
+const VALUE_ROUNDING: f64 = 1e-14;
 
 /// A simple real eigenvalue that is larger than all others, with error bounds of the eigenvalue and its eigenvector.
 #[derive(Debug, Clone)]
@@ -61,7 +64,7 @@ impl Enclosure {
         let bound = rest.resolvent_beyond(theta, unknown)?;
         let left_over = rest.times_column(&right).iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let error = bound * (left_over + 2.0 * unknown);
-        let radius = value.abs() * size * error + 1e-14;
+        let radius = value.abs() * size * error + VALUE_ROUNDING;
         // also false if a value is not a number
         (value.abs() - radius > theta).then_some(Self { value, radius, error })
     }

@@ -10,7 +10,8 @@ use crate::watch::Watch;
 /// Length of a tooth that 95 % of the points do not exceed, as a share of the smaller side of the visible part. Twice
 /// of it leaves the picture; half of it hides small wiggles.
 const TOOTH_LENGTH: f64 = 0.12;
-/// Longest tooth in units of that length: curvature at corners is unbounded, and would lead out of the picture.
+/// Longest tooth in units of that length: curvature at corners is unbounded, and would lead out of the picture. Half of
+/// it cuts teeth that differ little from usual ones; twice of it lets single teeth hide the others.
 const LONGEST_TOOTH: f64 = 3.0;
 /// Minimum distance between teeth, pixels; half of it makes an area of them.
 const SPACING_PX: f64 = 4.0;
@@ -22,7 +23,8 @@ const STRAIGHT_RADIUS: f64 = 1e3;
 /// largest coordinate. Measured on straight lines under nine plans, at 6 and 10 levels: 1.4 at most. Half of it would
 /// leave little above that; twice of it would hide bends twice as large.
 const COLLINEAR_ULPS: f64 = 4.0;
-/// Length of a tangent, as a share of the smaller side of the visible part.
+/// Length of a tangent, as a share of the smaller side of the visible part. A matter of taste: half of it hardly shows
+/// a direction; twice of it crosses the curve elsewhere.
 const TANGENT_LENGTH: f64 = 0.14;
 
 /// The teeth of combs, each from the curve to its end, and the lines that join the ends.

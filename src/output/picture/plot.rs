@@ -56,7 +56,8 @@ pub(crate) const TEXT_SIZE: Parameter = Parameter::number(
 const LEAST_TEXT_PX: f32 = 9.0;
 
 /// Factor by which curves shrink beside their combs, so that usual teeth stay in the picture: they are an eighth of it
-/// long on each side. Longer teeth may leave it.
+/// long on each side. Longer teeth may leave it. Half of what it leaves free cuts usual teeth; twice of that leaves a
+/// quarter of the picture empty.
 const COMB_ZOOM: f64 = 0.8;
 /// Colour of titles.
 const TITLE_INK: Color = [15, 23, 42, 255];
