@@ -178,7 +178,7 @@ impl PlotArea {
             let [left, right, bottom, top] = easel.ranges(part, steps);
             let x = Axis { low: left, high: right, label: x_label.clone() };
             let y = Axis { low: bottom, high: top, label: y_label.clone() };
-            Axes { frame: part, x, y, grid: options.shows("grid", &[]), size_px }
+            Axes { border: part, x, y, grid: options.shows("grid", &[]), size_px }
         };
         // the numbers decide the width of the margins, and the margins decide the numbers
         let around = axes(&plain.easel, plain.part);
