@@ -28,7 +28,7 @@ pub use beside::{Alone, Beside, InputFile, WithLibrary};
 pub use kind::{foreign, is_text, own};
 pub use reader::{CornerUvs, ReadLimits, ReadMesh, Reader, Vertices};
 pub use registry::READERS;
-pub use room::reading_memory;
+pub use room::weight;
 
 /// Returns the reader with this name.
 pub fn named(name: &str) -> Option<&'static Reader> {

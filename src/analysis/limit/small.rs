@@ -18,7 +18,7 @@ const MAX_MIXING: f64 = 1e-13;
 /// Maximum length of what is left of a vector that depends on those before it, relative to its length before: 45
 /// roundings of 1. Half of it comes closer to the rounding of the products that are subtracted, and would make a vector
 /// of it; twice of it drops vectors that are within 2e-14 of the span of the others.
-const DEPENDENT_SHARE: f64 = 1e-14;
+const REMAINING_SHARE: f64 = 1e-14;
 
 /// K vectors of equal length.
 pub(super) type Vectors<const K: usize> = [Vec<f64>; K];
@@ -103,7 +103,7 @@ pub(super) fn orthonormalise(vectors: &mut [Vec<f64>]) {
         }
         let length = sqrt(dot(vector, vector));
         // a length is a root, so that one above 0 has a finite inverse
-        let scale = if length > DEPENDENT_SHARE * original { 1.0 / length } else { 0.0 };
+        let scale = if length > REMAINING_SHARE * original { 1.0 / length } else { 0.0 };
         vector.iter_mut().for_each(|x| *x *= scale);
     }
 }

@@ -20,7 +20,7 @@ const MAX_DIFFERENCE_STEPS: usize = 6;
 const MAX_PROOF_ORDER: usize = 3;
 /// Upper bound of what rounding adds to sums of weights that are 1, after some levels: 4,500 roundings of 1. Half of it
 /// would still cover them; twice of it raises the bound in the 12th digit.
-const SUM_ROUNDING: f64 = 1e-12;
+const BASIC_SUM_ROUNDING: f64 = 1e-12;
 
 /// A proof that limits are C^k: the norms of the difference schemes along two directions, one pair for each derivative.
 #[derive(Debug, Clone, PartialEq)]
@@ -127,7 +127,7 @@ fn contraction(mask: &Polynomial, d: i32) -> Option<Contraction> {
 /// shrink with the contractions. The result is the least bound over all numbers of steps.
 pub(super) fn lebesgue_bound(mask: &Polynomial, d: i32) -> Option<f64> {
     if mask.values().all(|&a| a >= -ZERO_WEIGHT) {
-        return Some(1.0 + SUM_ROUNDING);
+        return Some(1.0 + BASIC_SUM_ROUNDING);
     }
     let pair = contractions(mask, d)?;
     let tail = |contraction: &Contraction| {
