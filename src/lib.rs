@@ -25,9 +25,9 @@ pub mod output;
 
 pub mod job;
 
+pub mod config;
 pub mod service;
 
-pub mod config;
 pub mod wire;
 
 pub mod cli;

@@ -31,6 +31,8 @@ pub struct StepMatrix {
     pub name: &'static str,
     /// The role of the operator in a step.
     pub role: Role,
+    /// Whether the points before the operator become the anchor, towards which later push-backs push.
+    pub sets_anchor: bool,
     /// Weights of the points before the operator: row j makes new point j.
     pub points: Matrix,
     /// Weights of the points that entered the last upsampling, added to `points`; push-backs only.
@@ -113,8 +115,8 @@ impl StepMatrix {
         let facts = step.letter.facts();
         let matrix = |rows| Matrix { rows, exact: None };
         let coarse = (facts.role == Role::PushBack).then(|| matrix(of_coarse));
-        let found = Self { letter: facts.letter, name: facts.name, role: facts.role, points: matrix(points), coarse };
-        (!is_lost).then_some(found)
+        let (letter, name, role, sets_anchor) = (facts.letter, facts.name, facts.role, action.sets_anchor());
+        (!is_lost).then(|| Self { letter, name, role, sets_anchor, points: matrix(points), coarse })
     }
 
     fn as_exact(&self) -> Option<StepWeights<'_, Exact>> {
@@ -123,11 +125,11 @@ impl StepMatrix {
             Some(coarse) => Some(coarse.exact.as_deref()?),
             None => None,
         };
-        Some((self.role, points, coarse))
+        Some((self.sets_anchor, points, coarse))
     }
 
     fn as_rounded(&self) -> StepWeights<'_, f64> {
-        (self.role, &self.points.rows, self.coarse.as_ref().map(|coarse| coarse.rows.as_slice()))
+        (self.sets_anchor, &self.points.rows, self.coarse.as_ref().map(|coarse| coarse.rows.as_slice()))
     }
 }
 
@@ -148,14 +150,14 @@ fn product(steps: &[StepMatrix], n: usize) -> Matrix {
     Matrix { rows: composed(&rounded, n), exact: None }
 }
 
-/// The role of an operator, its weights of the points, and its weights of the points before the upsampling.
-type StepWeights<'a, T> = (Role, &'a [Vec<T>], Option<&'a [Vec<T>]>);
+/// Whether an operator sets the anchor, its weights of the points, and its weights of the anchor.
+type StepWeights<'a, T> = (bool, &'a [Vec<T>], Option<&'a [Vec<T>]>);
 
 fn composed<T: num_traits::Num + Clone>(steps: &[StepWeights<'_, T>], n: usize) -> Vec<Vec<T>> {
     let one = |i: usize, k: usize| if i == k { T::one() } else { T::zero() };
     let mut now: Vec<Vec<T>> = (0..n).map(|i| (0..n).map(|k| one(i, k)).collect()).collect();
     let mut anchor = now.clone();
-    for (role, points, coarse) in steps {
+    for (sets_anchor, points, coarse) in steps {
         let mut next = times(points, &now);
         if let Some(coarse) = coarse {
             for (row, added) in next.iter_mut().zip(times(coarse, &anchor)) {
@@ -163,7 +165,7 @@ fn composed<T: num_traits::Num + Clone>(steps: &[StepWeights<'_, T>], n: usize) 
             }
         }
         let before = std::mem::replace(&mut now, next);
-        if *role == Role::Upsample {
+        if *sets_anchor {
             anchor = before;
         }
     }

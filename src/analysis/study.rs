@@ -30,6 +30,10 @@ const PREDICTING_LEVELS: usize = 3;
 /// order; roots of alpha give 0.71. Half of it would refuse these roots C^k at the first k beyond the sum rules; twice
 /// of it would admit 1.
 const MAX_DECAY_PRODUCT: f64 = 0.9;
+/// Distance from the limit scheme from which on it can be told from rounding: the rounding of masks leaves some six
+/// digits of it. Half of it leaves a third of a digit less, and twice of it more; either counts a level more or less
+/// where distances halve from level to level.
+pub(super) const LEAST_SCHEME_DISTANCE: f64 = 1e-9;
 
 /// A plan as a curve scheme.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,7 +121,7 @@ impl Study {
     /// distances that cannot be told from rounding.
     fn rates(&self) -> impl Iterator<Item = f64> {
         let pairs = self.levels.windows(2).map(|pair| (pair[0].distance, pair[1].distance));
-        pairs.rev().filter(|(_, next)| *next > 1e-9).map(|(before, next)| next / before)
+        pairs.rev().filter(|(_, next)| *next > LEAST_SCHEME_DISTANCE).map(|(before, next)| next / before)
     }
 
     /// Returns the ratio of the last two distances from the limit scheme that can be told from rounding.

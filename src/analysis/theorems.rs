@@ -3,7 +3,7 @@
 use num_traits::{Signed, Zero};
 
 use super::smoothness::Symbol;
-use super::study::Study;
+use super::study::{LEAST_SCHEME_DISTANCE, Study};
 use crate::math::exact::Exact;
 use crate::math::functions::pow;
 use crate::math::number::Number;
@@ -37,7 +37,7 @@ impl Decay {
         let gamma = study.rate().filter(|gamma| *gamma < 1.0)?;
         let scaled = (0_u16..).zip(&study.levels).map(|(h, level)| level.distance / pow(gamma, f64::from(h)));
         // the distances of the last levels are rounding errors only
-        let n_significant = study.levels.iter().take_while(|level| level.distance > 1e-9).count();
+        let n_significant = study.levels.iter().take_while(|level| level.distance > LEAST_SCHEME_DISTANCE).count();
         Some(Self { c: scaled.take(n_significant.max(1)).fold(0.0, f64::max), gamma })
     }
 }

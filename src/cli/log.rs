@@ -15,7 +15,8 @@ use crate::fault::cut;
 
 /// Maximum total length of waiting lines in bytes: some thousand lines, more than a working reader falls behind.
 const MAX_WAITING_BYTES: usize = 1 << 20;
-/// Maximum wait at the end for lines to be written; a working reader takes a mebibyte in a small part of it.
+/// Maximum wait at the end for lines to be written; a working reader takes a mebibyte in a small part of it. Half of it
+/// loses lines to readers that pause; twice of it makes a process wait longer for one that has stopped.
 const FLUSH_PATIENCE: Duration = Duration::from_secs(1);
 /// Maximum length of a panic message in characters; a message may repeat the input that caused the panic.
 const MAX_MESSAGE: usize = 1000;

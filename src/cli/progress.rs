@@ -14,7 +14,8 @@ use super::inputs::InputSource;
 use crate::math::amounts::thousands;
 use crate::watch::Watch;
 
-/// Number of steps of the bar for each input: as fine as a wide terminal shows.
+/// Number of steps of the bar for each input: as fine as a wide terminal shows. Half of it moves in steps that can be
+/// seen; twice of it shows nothing more.
 const BAR_STEPS: u64 = 500;
 
 /// The progress of a command through its inputs.

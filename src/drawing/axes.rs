@@ -1,11 +1,11 @@
-//! The frame of a plot: axes with ticks, their labels and a grid.
+//! The border of a plot: axes with ticks, their labels and a grid.
 
 use super::label::Label;
 use super::scene::{Cap, Color, DrawingItem, HorizontalAlign, Mark, Point, Stroke, Text, VerticalAlign};
 use super::ticks::{Tick, ticks};
 
-/// Colour of frames and of their labels.
-pub(super) const FRAME_INK: Color = [51, 65, 85, 255];
+/// Colour of borders and of their labels.
+pub(super) const BORDER_INK: Color = [51, 65, 85, 255];
 /// Colour of the grid; it must not be mistaken for a line of the plot.
 const GRID_COLOR: Color = [226, 232, 240, 255];
 /// Maximum number of ticks of an axis; twice as many would be a ruler, half as many too few to read values.
@@ -25,8 +25,8 @@ pub struct Axis {
 /// A plot's axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axes {
-    /// Left, top, width and height of the area inside the frame, in pixels.
-    pub frame: [f32; 4],
+    /// Left, top, width and height of the area inside the border, in pixels.
+    pub border: [f32; 4],
     /// The horizontal axis, from left to right.
     pub x: Axis,
     /// The vertical axis, from bottom to top.
@@ -45,7 +45,7 @@ impl Axis {
 }
 
 impl Axes {
-    /// Returns the room that ticks and labels need outside the frame at a font size: left, top, right, bottom, in
+    /// Returns the room that ticks and labels need outside the border at a font size: left, top, right, bottom, in
     /// pixels.
     pub fn margins(x: &Axis, y: &Axis, size_px: f32) -> [f32; 4] {
         let line = 1.8 * size_px;
@@ -56,14 +56,14 @@ impl Axes {
 
     /// Returns the position of a point of the plot, in pixels.
     pub fn place(&self, [x, y]: [f64; 2]) -> Point {
-        let [left, top, width, height] = self.frame.map(f64::from);
+        let [left, top, width, height] = self.border.map(f64::from);
         #[expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]
         [left + self.x.share(x) * width, top + (1.0 - self.y.share(y)) * height].map(|pixel| pixel as f32)
     }
 
     /// Returns the grid, which must be drawn before the plot.
     pub fn grid(&self) -> DrawingItem {
-        let [left, top, width, height] = self.frame;
+        let [left, top, width, height] = self.border;
         let mut runs = Vec::new();
         if self.grid {
             for tick in self.x_ticks() {
@@ -79,9 +79,9 @@ impl Axes {
         DrawingItem::lines("grid", runs, Stroke { cap: Cap::Butt, ..Stroke::solid(width_px, GRID_COLOR) })
     }
 
-    /// Returns the frame with ticks and labels, which must be drawn after the plot.
+    /// Returns the border with ticks and labels, which must be drawn after the plot.
     pub fn items(&self) -> Vec<DrawingItem> {
-        let [left, top, width, height] = self.frame;
+        let [left, top, width, height] = self.border;
         let [right, bottom] = [left + width, top + height];
         let size = self.size_px;
         let reach = 0.4 * size;
@@ -115,20 +115,20 @@ impl Axes {
                 ..self.text(label, at, HorizontalAlign::Middle, VerticalAlign::Baseline)
             });
         }
-        let frame =
-            DrawingItem::lines("axis", runs, Stroke { cap: Cap::Butt, ..Stroke::solid(0.08 * size, FRAME_INK) });
+        let border =
+            DrawingItem::lines("axis", runs, Stroke { cap: Cap::Butt, ..Stroke::solid(0.08 * size, BORDER_INK) });
         let texts = texts.into_iter().map(|text| DrawingItem::new("label", Mark::Text(text)));
-        std::iter::once(frame).chain(texts).collect()
+        std::iter::once(border).chain(texts).collect()
     }
 
     fn text(&self, label: Label, at: Point, anchor: HorizontalAlign, level: VerticalAlign) -> Text {
-        Text { label, at, size_px: self.size_px, anchor, level, turn_deg: 0.0, color: FRAME_INK }
+        Text { label, at, size_px: self.size_px, anchor, level, turn_deg: 0.0, color: BORDER_INK }
     }
 
     /// Returns as many ticks as there is room for: one per five letters of width, fewer where labels would meet.
     fn x_ticks(&self) -> Vec<Tick> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few ticks")]
-        let room = (self.frame[2] / (5.0 * self.size_px)) as usize;
+        let room = (self.border[2] / (5.0 * self.size_px)) as usize;
         let fits = |found: &[Tick]| {
             found.windows(2).all(|pair| {
                 let [a, b] = [&pair[0], &pair[1]].map(|tick| self.place([tick.value, self.y.low])[0]);
@@ -144,7 +144,7 @@ impl Axes {
     /// Returns one tick per two and a half lines of height.
     fn y_ticks(&self) -> Vec<Tick> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few ticks")]
-        let room = (self.frame[3] / (2.5 * self.size_px)) as usize;
+        let room = (self.border[3] / (2.5 * self.size_px)) as usize;
         ticks(self.y.low, self.y.high, room.clamp(2, MAX_TICKS))
     }
 }

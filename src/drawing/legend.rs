@@ -1,6 +1,6 @@
 //! Legends, which explain the lines, marks and colours of a drawing.
 
-use super::axes::FRAME_INK;
+use super::axes::BORDER_INK;
 use super::label::Label;
 use super::scene::{
     Cap, Color, Discs, DrawingItem, HorizontalAlign, Mark, Picture, Point, Stroke, Text, VerticalAlign,
@@ -88,7 +88,7 @@ impl LegendSample {
 
 fn text(label: Label, at: Point, size_px: f32) -> DrawingItem {
     let (anchor, level) = (HorizontalAlign::Start, VerticalAlign::Middle);
-    DrawingItem::new("label", Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color: FRAME_INK }))
+    DrawingItem::new("label", Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color: BORDER_INK }))
 }
 
 /// Number of colours of a bar: enough that steps are invisible; twice as many would only make the file longer.
@@ -147,7 +147,7 @@ pub fn color_bar(
         let size_px = fitted(label.width(size_px), left);
         texts.push(text(label, [left, tip - 1.1 * size_px], size_px));
     }
-    let frame = Stroke { cap: Cap::Butt, ..Stroke::solid(0.07 * size_px, FRAME_INK) };
-    let items = [DrawingItem::new("bar", Mark::Picture(bar)), DrawingItem::lines("axis", runs, frame)];
+    let stroke = Stroke { cap: Cap::Butt, ..Stroke::solid(0.07 * size_px, BORDER_INK) };
+    let items = [DrawingItem::new("bar", Mark::Picture(bar)), DrawingItem::lines("axis", runs, stroke)];
     items.into_iter().chain(areas).chain(texts).collect()
 }

@@ -22,7 +22,7 @@ use crate::service::computation::Phase;
 use crate::service::task::{Cost, Task};
 use crate::watch::Watch;
 use crate::wire::analysis::{AnalysisAnswer, AnalysisRequest};
-use crate::wire::read::{read, weight};
+use crate::wire::read::{read, reading_memory};
 
 /// Upper bound of an answer in bytes: masks of 512 entries with the longest fractions, and the values of a fine grid.
 /// It bounds only the memory that is booked beforehand. Masks of many digits may exceed half of it; twice of it lets
@@ -56,7 +56,7 @@ pub(super) async fn analyse(State(app): State<SharedApp>, client: Client, header
 
 async fn respond(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
     let sent = body::collect(app, client, headers, AcceptedBodies::Jobs, body).await?;
-    let bytes = weight(sent.bytes.len() as u64);
+    let bytes = reading_memory(sent.bytes.len() as u64);
     let form = negotiate::form(headers)?;
     let analysis = app.desk.read(client.peer(), bytes, move |watch| {
         let request: AnalysisRequest = read(&sent.bytes)?;

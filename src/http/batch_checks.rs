@@ -17,7 +17,7 @@ use crate::math::amounts::{in_bytes, thousands};
 use crate::service::batches::{BatchLayout, ParsedBatch};
 use crate::service::peer::Peer;
 use crate::wire::batch::{layout, placed};
-use crate::wire::read::weight;
+use crate::wire::read::reading_memory;
 
 /// Upper bound of the texts of all jobs of a batch, in multiples of the maximum length of a body: by default 256 MiB,
 /// read in some seconds. Half of it refuses grids of templates that hold a large mesh sooner; twice of it checks for
@@ -36,7 +36,7 @@ const MAX_BATCH_FAULTS: usize = 50;
 /// A body that is no batch, or a batch that is too large; 503 if too much is being read already.
 pub(super) async fn read(app: &Arc<App>, peer: Peer, sent: &Sent) -> Result<(Key, BatchLayout), Problem> {
     let (text, most, bodies) = (sent.bytes.clone(), app.settings.max_batch_items, app.settings.max_body_bytes);
-    let read = app.desk.read(peer, weight(sent.length()), move |_| {
+    let read = app.desk.read(peer, reading_memory(sent.length()), move |_| {
         let layout = layout(&text)?;
         bounded(&layout, most, MAX_BODIES * bodies).map_err(|fault| Problem::invalid(vec![fault]))?;
         let mut hashes = b"planish batch 1".to_vec();

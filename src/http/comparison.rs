@@ -22,7 +22,7 @@ use crate::service::peer::Peer;
 use crate::service::task::{Cost, Task};
 use crate::watch::Watch;
 use crate::wire::comparison::{ComparisonAnswer, ComparisonRequest, DifferenceAnswer};
-use crate::wire::read::{read, weight};
+use crate::wire::read::{read, reading_memory};
 
 /// Upper bound of an answer in bytes. It bounds only the memory that is booked beforehand: half of it is still more
 /// than two boxes, four places and two hashes take.
@@ -50,7 +50,7 @@ pub(super) async fn compare(State(app): State<SharedApp>, client: Client, header
 
 async fn respond(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
     let sent = body::collect(app, client, headers, AcceptedBodies::Jobs, body).await?;
-    let (bytes, peer) = (weight(sent.bytes.len() as u64), client.peer());
+    let (bytes, peer) = (reading_memory(sent.bytes.len() as u64), client.peer());
     let (request, tolerances) = app
         .desk
         .read(peer, bytes, move |_| {

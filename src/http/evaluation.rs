@@ -22,7 +22,7 @@ use crate::service::peer::Paid;
 use crate::service::task::{Cost, Task};
 use crate::watch::{Stage, Watch};
 use crate::wire::evaluation::{EvaluationAnswer, EvaluationRequest, places};
-use crate::wire::read::{read, weight};
+use crate::wire::read::{read, reading_memory};
 
 /// Evaluates the Catmull-Clark limit surface of a mesh at places on its faces: positions, normals, derivatives and
 /// curvatures; and finds the places of the surface that are closest to points.
@@ -47,7 +47,7 @@ pub(super) async fn evaluate(State(app): State<SharedApp>, client: Client, heade
 
 async fn respond(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
     let sent = body::collect(app, client, headers, AcceptedBodies::Jobs, body).await?;
-    let (bytes, peer) = (weight(sent.bytes.len() as u64), client.peer());
+    let (bytes, peer) = (reading_memory(sent.bytes.len() as u64), client.peer());
     // the body stays charged while its places are in memory
     let text = sent.bytes.clone();
     let request = app.desk.read(peer, bytes, move |_| {

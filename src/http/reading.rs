@@ -23,7 +23,7 @@ use crate::service::pool::{Lack, Lane};
 use crate::service::task::{Cost, Task};
 use crate::watch::Watch;
 use crate::wire::JobRequest;
-use crate::wire::read::weight;
+use crate::wire::read::reading_memory;
 
 /// Media type of the result of a search, which is stored like an artifact but is no result of a job.
 const SEARCH_MEDIA_TYPE: &str = "application/vnd.planish.search+json";
@@ -91,7 +91,7 @@ pub(super) async fn draft(
 ) -> Result<ReadStage, Problem> {
     let (desk, limits) = (app.desk.clone(), app.desk.limits.reading());
     let sent = attached(app, peer, sent).await?;
-    let bytes = weight(sent.length());
+    let bytes = reading_memory(sent.length());
     let step = app.desk.read(peer, bytes, move |_| {
         let mut request = sent.request()?;
         prepare(&mut request)?;

@@ -46,7 +46,7 @@ use crate::service::store::{Bucket, MemoryStore, Records, STORES, Store, StoreLo
 use crate::service::tiers::Tiers;
 use crate::service::uploads::Uploads;
 use crate::wire::batch::layout;
-use crate::wire::read::weight;
+use crate::wire::read::reading_memory;
 
 /// The reason why the service did not start.
 #[derive(Debug, thiserror::Error)]
@@ -113,7 +113,9 @@ const SEND_BUFFER_BYTES: u32 = 512 << 10;
 /// Maximum number of connections that the system holds until they are accepted; the system may set a lower limit. Half
 /// of it refuses bursts half as large; twice of it lets as many more wait.
 const BACKLOG: u32 = 1024;
-/// Maximum time of a computation in the short lane: four times the prediction from which on work counts as long.
+/// Maximum time of a computation in the short lane: four times the prediction from which on work counts as long. Half
+/// of it moves work that was predicted to take half as long as it does; twice of it lets one computation hold up the
+/// short ones for two seconds.
 const SHORT_TIME: Duration = Duration::from_secs(1);
 
 /// Opens stores, compute threads and listener.
@@ -231,7 +233,7 @@ fn stores(settings: &Settings, account: &Account, clock: &Arc<dyn Clock>) -> Res
 /// be above the total. That is 32 MiB with the default memory.
 fn longest_body(account: &Account) -> u64 {
     let room = account.reading.capacity + (384 << 20);
-    (account.bodies.capacity / 2).min(room / (weight(1) - weight(0)))
+    (account.bodies.capacity / 2).min(room / (reading_memory(1) - reading_memory(0)))
 }
 
 fn listen(address: std::net::SocketAddr) -> io::Result<TcpListener> {

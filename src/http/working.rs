@@ -28,7 +28,7 @@ use crate::service::pool::{Lack, Lane};
 use crate::service::task::{Render, Task};
 use crate::wire::JobRequest;
 use crate::wire::posted::{AnalysisJob, asks_for_analysis};
-use crate::wire::read::{read, weight};
+use crate::wire::read::{read, reading_memory};
 
 /// The name of the only output of an analysis.
 const ANALYSIS: &str = "analysis";
@@ -107,7 +107,7 @@ pub(super) fn summary(admitted: &Admitted, sent: &Sent) -> JobSummary {
 
 /// Reads an analysis; returns the body if it is no analysis.
 async fn analysis(app: &Arc<App>, peer: Peer, sent: Sent) -> Result<Result<ParsedJob, Sent>, Problem> {
-    let bytes = weight(sent.bytes.len() as u64);
+    let bytes = reading_memory(sent.bytes.len() as u64);
     let of_lane = sent.clone();
     let analysis = app.desk.read(peer, bytes, move |watch| {
         if !asks_for_analysis(&of_lane.bytes) {

@@ -16,8 +16,11 @@ const ROOM_BYTES_A_BYTE: u64 = 32;
 /// The peak capacity of a growing list as a multiple of its size: the old half while it is copied into the new whole.
 pub(super) const GROWN: usize = 3;
 
+/// The name under which `input` still passes [`reading_memory`] on.
+pub use self::reading_memory as weight;
+
 /// Returns an upper bound of the memory in bytes for reading a mesh file of `length` bytes, without the file itself.
-pub const fn weight(length: u64) -> u64 {
+pub const fn reading_memory(length: u64) -> u64 {
     ROOM_BASE_BYTES.saturating_add(ROOM_BYTES_A_BYTE.saturating_mul(length))
 }
 
@@ -25,7 +28,7 @@ pub const fn weight(length: u64) -> u64 {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MemoryBudget {
     length: u64,
-    /// Bytes granted beyond the weight.
+    /// Bytes granted beyond [`reading_memory`].
     spare: u64,
     left: u64,
 }
@@ -33,7 +36,7 @@ pub(super) struct MemoryBudget {
 impl MemoryBudget {
     /// Creates the full budget of a file of `length` bytes.
     pub(super) fn new(length: usize) -> Self {
-        Self { length: length as u64, spare: 0, left: weight(length as u64) }
+        Self { length: length as u64, spare: 0, left: reading_memory(length as u64) }
     }
 
     /// Takes bytes from the budget.
@@ -42,7 +45,7 @@ impl MemoryBudget {
     /// Fewer bytes are left; the message says what the file may take, and how to stay below it.
     pub(super) fn take(&mut self, bytes: usize) -> Result<(), String> {
         self.left = self.left.checked_sub(bytes as u64).ok_or_else(|| {
-            let all = weight(self.length).saturating_add(self.spare);
+            let all = reading_memory(self.length).saturating_add(self.spare);
             let [bytes, length, all, taken] =
                 [bytes as u64, self.length, all, all - self.left].map(|n| in_bytes(n.into()));
             format!(

@@ -2,9 +2,13 @@
 
 use crate::math::vector::{cross, dot};
 
-/// How far the length of a quaternion may be from 1, because writers round to a few digits.
+/// How far the length of a quaternion may be from 1, because writers round to a few digits: 1e-3 admits three decimals
+/// of each of its four numbers, whose rounding changes the length by 1e-3 at most. Half of it may refuse these; twice
+/// of it would still refuse most with two decimals, which change it by up to 1e-2.
 const UNIT_LENGTH_TOLERANCE: f64 = 1e-3;
-/// How far the last row of a matrix, or column where vectors are rows, may be from 0, 0, 0, 1.
+/// How far the last row of a matrix, or column where vectors are rows, may be from 0, 0, 0, 1: some ten roundings of
+/// f32, as products of matrices of files have. Half of it is five roundings, which long products may exceed; twice of
+/// it takes projections for affine whose divisor changes by 2e-6 over a unit.
 pub(super) const AFFINE: f64 = 1e-6;
 
 /// An affine map `x -> A x + t`, stored as the columns of `A`, then `t`.

@@ -20,7 +20,8 @@ use crate::watch::Watch;
 /// would make answers of half a gigabyte.
 pub const MAX_EVALUATED_PLACES: usize = 1_000_000;
 /// Largest coordinate with which distances are found, as they are squared. Between it and the root of the largest
-/// number (1.3e154) is room for sums and products; a tenth of it would do for any part.
+/// number (1.3e154) is room for sums and products; a tenth of it would do for any part. Half or twice of it leaves as
+/// much room.
 const MAX_COORDINATE: f64 = 1e150;
 /// Maximum number of faults that are reported.
 const MAX_PLACE_FAULTS: usize = 64;
@@ -35,7 +36,8 @@ const NUMBER_BYTES: u128 = 26;
 /// Nanoseconds per place in a bicubic piece. Measured together with [`RING_NS`] on a control mesh of 498 quads: 5,000
 /// per place with its share of rings. Half or twice of both would book half or twice the time.
 const PLACE_NS: u128 = 2_000;
-/// Nanoseconds per ring around an extraordinary vertex, measured together with [`PLACE_NS`].
+/// Nanoseconds per ring around an extraordinary vertex, measured together with [`PLACE_NS`]. Half or twice of it books
+/// half or twice the time for such rings.
 const RING_NS: u128 = 150_000;
 /// Memory in bytes of a point whose closest place is searched for: the point (24), the results (96 twice), candidates
 /// that may be nearer (40), and the answer (64).

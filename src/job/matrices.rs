@@ -82,7 +82,7 @@ impl AskedMatrices {
             of_steps: StepMatrices { steps, product: _ },
         } = self;
         let of_one = |step: &StepMatrix| {
-            let StepMatrix { letter: _, name, role: _, points, coarse } = step;
+            let StepMatrix { letter: _, name, role: _, sets_anchor: _, points, coarse } = step;
             Item::List([Item::text(name), matrix(points)].into_iter().chain(coarse.as_ref().map(matrix)).collect())
         };
         let head = [*points, u32::from(*closed), *powers].map(|n| Item::Integer(u64::from(n)));

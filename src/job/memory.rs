@@ -158,7 +158,8 @@ pub(super) fn measured_from(forecast: &Forecast) -> u128 {
     last.vertices.saturating_mul(24).saturating_add(triangles)
 }
 
-/// Maximum number of rows in transit from the sweep to the output.
+/// Maximum number of rows in transit from the sweep to the output. It is as many as `output/stream` takes at a time;
+/// half of it would book too little, twice of it more than is used.
 const ROWS_ON_THE_WAY: u128 = 1 << 20;
 /// Bytes per row in transit: its point in a window of a patch, and its point in the documented order twice, as one
 /// buffer is filled while the other is written.

@@ -14,6 +14,11 @@ pub struct Dense {
 /// as rounding errors have accumulated.
 const MAX_SQUARINGS: u32 = 20;
 
+/// Returns the dot product of two lists of numbers, summed from the first to the last.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
 impl Dense {
     /// Creates the zero matrix.
     pub fn zero(n: usize) -> Self {
@@ -51,7 +56,7 @@ impl Dense {
 
     /// Returns the product with a column.
     pub fn times_column(&self, x: &[f64]) -> Vec<f64> {
-        self.rows().map(|row| row.iter().zip(x).map(|(a, x)| a * x).sum()).collect()
+        self.rows().map(|row| dot(row, x)).collect()
     }
 
     fn square(&self) -> Self {

@@ -4,12 +4,19 @@
 //! elimination, then QR steps with Francis' double shift.
 
 use crate::math::functions::sqrt;
+use crate::math::vector;
 
 /// Maximum number of QR steps per eigenvalue; two or three usually suffice. Half as many would give up on rare
 /// matrices; twice as many would help no others.
 const MAX_QR_STEPS: usize = 60;
-/// Number of steps without success after which an exceptional shift is used, so that steps do not cycle.
+/// Number of steps without success after which an exceptional shift is used, so that steps do not cycle; 10 as in
+/// `hqr` of EISPACK. Half of it disturbs steps that still converge; twice of it takes ten more steps where they cycle.
 const ODD_SHIFT: usize = 10;
+/// Largest difference of two absolute values, relative to the larger one, at which eigenvalues are listed as of the
+/// same absolute value: 900 roundings of 1, as eigenvalues of matrices of some dozen rows have. Half of it may leave
+/// the order of conjugates and opposites to rounding; twice of it orders eigenvalues by their parts that differ in the
+/// 13th digit.
+const EQUAL_MODULI: f64 = 2e-13;
 
 /// An eigenvalue: real and imaginary part.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +51,7 @@ pub fn eigenvalues(matrix: &[f64], n: usize) -> Option<Vec<Eigenvalue>> {
     let mut left = found.as_mut_slice();
     while let Some(first) = left.first() {
         let most = first.modulus();
-        let count = left.iter().take_while(|x| most - x.modulus() <= 2e-13 * most).count().max(1);
+        let count = left.iter().take_while(|x| most - x.modulus() <= EQUAL_MODULI * most).count().max(1);
         let (run, rest) = left.split_at_mut(count);
         run.sort_by(|x, y| y.re.total_cmp(&x.re).then(y.im.total_cmp(&x.im)));
         left = rest;
@@ -219,13 +226,13 @@ impl Hessenberg {
 
     /// Applies from both sides the reflection that maps `v` to a multiple of the first unit vector.
     fn reflect(&mut self, k: usize, rows: usize, v: [f64; 3], start: usize, end: usize) {
-        let length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        let length = vector::length(v);
         if length == 0.0 {
             return;
         }
         let mut u = v;
         u[0] += if v[0] < 0.0 { -length } else { length };
-        let square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+        let square = vector::dot(u, u);
         let from = if k > start { k - 1 } else { start };
         for j in from..end {
             let product: f64 = (0..rows).map(|i| u[i] * self.at(k + i, j)).sum();

@@ -6,7 +6,7 @@ use super::counts::{Counts, ShapeKind};
 use super::description::DescriptionPlace;
 use super::error::FormatError;
 use super::figure::FigureExtent;
-use super::film::{self, DELAY, FRAMES, Film, RANGE, TURNTABLE};
+use super::film::{self, DELAY, FRAMES, Film, SWEPT_RANGE, TURNTABLE};
 use super::format::{Content, Costs, Format, FormatFacts, ParameterRange, Requirements};
 use super::picture::options::{self, CAMERA};
 use super::picture::outline::Outline;
@@ -29,7 +29,7 @@ const FRAME_BYTES: u128 = 128;
 /// turntables for large screens; twice of it lets one job draw for twice as long.
 const MAX_FILM_PIXELS: u64 = 1 << 28;
 
-const FILM_OPTIONS: [Parameter; 4] = [FRAMES, DELAY, TURNTABLE, RANGE];
+const FILM_OPTIONS: [Parameter; 4] = [FRAMES, DELAY, TURNTABLE, SWEPT_RANGE];
 
 const N_OPTIONS: usize = FILM_OPTIONS.len() + super::png::PNG_OPTIONS.len();
 /// The options of the format, followed by those of its frames.
@@ -67,7 +67,7 @@ fn holds(kind: ShapeKind, values: &Values) -> Result<(), String> {
 
 /// Returns whether the camera goes around.
 fn goes_around(values: &Values) -> bool {
-    values.group(TURNTABLE.name).is_some() || values.group(RANGE.name).is_none()
+    values.group(TURNTABLE.name).is_some() || values.group(SWEPT_RANGE.name).is_none()
 }
 
 impl Format for Apng {

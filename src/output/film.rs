@@ -56,7 +56,7 @@ pub(super) const TURNTABLE: Parameter = Parameter::optional(
 );
 
 /// The parameter that changes from frame to frame.
-pub(super) const RANGE: Parameter = Parameter::optional(
+pub(super) const SWEPT_RANGE: Parameter = Parameter::optional(
     "sweep",
     ParameterKind::Group(&[
         Parameter {
@@ -81,7 +81,7 @@ pub(super) fn frames(values: &Values) -> usize {
 
 /// Returns the parameter that changes from frame to frame and its values, if one does.
 pub(super) fn parameter_range(values: &Values) -> Option<ParameterRange> {
-    let asked = values.group(RANGE.name)?;
+    let asked = values.group(SWEPT_RANGE.name)?;
     let [from, to] = [asked.number("from")?, asked.number("to")?];
     let pointer = asked.name("pointer")?.to_owned();
     Some(ParameterRange { pointer, values: between(from, to, frames(values), false) })
@@ -101,7 +101,7 @@ pub fn shots(values: &Values, extent: &FigureExtent, coordinate_system: Coordina
     let values = framed(values, extent);
     let n = frames(&values);
     let turn = match values.group(TURNTABLE.name) {
-        None if values.group(RANGE.name).is_some() => return vec![values; n],
+        None if values.group(SWEPT_RANGE.name).is_some() => return vec![values; n],
         turn => turn.cloned().unwrap_or_default(),
     };
     let [from, to] = [turn.number("from_deg").unwrap_or(0.0), turn.number("to_deg").unwrap_or(360.0)];

@@ -89,13 +89,13 @@ fn most_above(mut step: f32, side: f64) -> f32 {
 
 /// Returns a number from 0 to 1 in 16 bits.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to 65,535, whatever it was")]
-pub(super) fn unit(x: f32) -> u16 {
+pub(super) fn quantized_fraction(x: f32) -> u16 {
     (f64::from(x) * GRID_STEPS).round().clamp(0.0, GRID_STEPS) as u16
 }
 
 /// Returns a coordinate of a unit vector in 8 bits.
 #[expect(clippy::cast_possible_truncation, reason = "from -127 to 127, whatever it was")]
-pub(super) fn direction(x: f32) -> i8 {
+pub(super) fn quantized_direction(x: f32) -> i8 {
     (f64::from(x) * 127.0).round().clamp(-127.0, 127.0) as i8
 }
 

@@ -15,7 +15,7 @@ use crate::output::error::FormatError;
 use crate::output::gltf_buffer::Buffer;
 use crate::output::gltf_codec::EncodedStream;
 use crate::output::gltf_document::{buffer_of, model, unwritten};
-use crate::output::gltf_grid::{PositionGrid, UNIT_ERROR, direction, unit};
+use crate::output::gltf_grid::{PositionGrid, UNIT_ERROR, quantized_direction, quantized_fraction};
 use crate::output::gltf_order::{Aim, TriangleOrder, workspace};
 use crate::output::gltf_packing::Packing;
 use crate::shape::topology::index;
@@ -213,13 +213,13 @@ impl Packer<'_> {
                 let vectors = vectors(numbers());
                 let encode = || EncodedStream::directions(&vectors, &mut self.workspace);
                 encoded = self.packing.encodes.then(encode).transpose()?;
-                let small = vectors.iter().flat_map(|&[x, y, z]| [x, y, z, 0.0].map(direction));
+                let small = vectors.iter().flat_map(|&[x, y, z]| [x, y, z, 0.0].map(quantized_direction));
                 stored = Some((ComponentType::I8, 4, small.flat_map(i8::to_le_bytes).collect()));
             }
             Semantic::TexCoords(_) | Semantic::Colors(_) if numbers().all(|x| (0.0..=1.0).contains(&x)) => {
                 self.is_unit |= matches!(semantic, Semantic::TexCoords(_));
                 let padded = (stride / 4).next_multiple_of(2);
-                let numbers: Vec<u16> = numbers().map(unit).collect();
+                let numbers: Vec<u16> = numbers().map(quantized_fraction).collect();
                 let row = |row: &[u16]| (0..padded).map(|k| row.get(k).copied().unwrap_or(0)).collect::<Vec<_>>();
                 let small = numbers.chunks_exact(stride / 4).flat_map(row).flat_map(u16::to_le_bytes).collect();
                 stored = Some((ComponentType::U16, 2 * padded, small));

@@ -15,7 +15,7 @@ use crate::output::format::{Content, Costs, Format, FormatFacts, Paper, Requirem
 use crate::output::hard_edges::{self, CREASE_ANGLE};
 use crate::output::options::POSITIONS;
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY, COMPONENT};
-use crate::output::picture::number_scale::{self, COLOR_BAR, RANGE};
+use crate::output::picture::number_scale::{self, COLOR_BAR, COLOR_RANGE};
 use crate::output::picture::options::{
     self, BACKGROUND, CAMERA, COLOR, COMB_SCALE, CONTROL_COLOR, DPI, FILL, GROUNDING, HEIGHT, LINE_WIDTH, Options,
     POINT_COLOR, POINT_SIZE, QUALITY, WIDTH, WIRE_COLOR,
@@ -102,7 +102,7 @@ pub(super) const PNG_OPTIONS: &[Parameter] = &[
     CHANNEL,
     COMPONENT,
     COLOR_MAP,
-    RANGE,
+    COLOR_RANGE,
     COLOR_BAR,
     LINE_WIDTH,
     WIRE_COLOR,

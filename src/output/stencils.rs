@@ -90,7 +90,8 @@ const STENCIL_HEAD_BYTES: u128 = 1024;
 const STENCIL_ENTRY_BYTES: u128 = 2 * (4 + 8 + 12);
 /// Bytes of memory of a row: its start, and the number of its point.
 const STENCIL_ROW_BYTES: u128 = 2 * (8 + 4);
-/// Number of entries that are made in the time of a row of refinement.
+/// Number of entries that are made in the time of a row of refinement. Half or twice of it predicts twice or half the
+/// time.
 const ENTRIES_A_ROW: u128 = 4;
 
 impl Format for StencilsFormat {

@@ -12,6 +12,7 @@ use super::paint::{Paint, Tint};
 use super::project::{BEHIND, FAR_OUT, STEPS_A_PIXEL, Vertex, vertex, vertices};
 use super::shade::{Lamps, Vec3f};
 use super::triangle::{area, touched};
+use crate::math::planar;
 use crate::math::vector::{cross, minus};
 use crate::watch::{Stopped, Watch};
 
@@ -243,7 +244,7 @@ impl<'a> BinnedModel<'a> {
             let weight = if perspective { f64::from(corners[k].depth) * nearness } else { unit };
             let right = ((a[1] - b[1]) * weight) as f32;
             let down = ((b[0] - a[0]) * weight) as f32;
-            let base = ((a[0] * b[1] - a[1] * b[0]) * weight) as f32;
+            let base = (planar::cross(a, b) * weight) as f32;
             weights[k] = [base, right, down];
             for (axis, along) in normals[k].into_iter().enumerate() {
                 facet.base[axis] += base * along as f32;

@@ -115,7 +115,8 @@ fn bounds(points: &[&[Vector]]) -> (Vector, f64) {
     (centre, if radius > 1e-150 { radius.min(1e150) } else { 1.0 })
 }
 
-/// Returns a vector scaled to length one; `None` if it has no direction.
+/// Returns a vector multiplied by the inverse of its length; `None` if it has no direction. The bits differ from those
+/// of [`direction`](crate::math::vector::direction), which divides by the length.
 pub(super) fn unit(mut v: Vector) -> Option<Vector> {
     let length = reduce(&mut v)?;
     (length >= 1.0).then(|| times(1.0 / length, v))

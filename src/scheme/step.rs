@@ -101,7 +101,8 @@ pub trait Operand {
 }
 
 impl Action {
-    /// Applies the action; this is the only place that defines the meaning of its variants.
+    /// Applies the action: an operand says what blends, push-backs and maps mean for it. [`Action::weights`] says the
+    /// same of single rows, for those who read weights.
     ///
     /// # Errors
     /// The errors of the operand.

@@ -13,7 +13,7 @@ use super::jobs::Jobs;
 use super::kept_work::KeptWork;
 use super::lent::{InFlight, Lent};
 use super::peer::{Peer, Peers, QuotaKind, Ticket};
-use super::pool::{Busy, Lack, Lane, LaneMemory, Panicked, Pool, Turn, WaitingRequest};
+use super::pool::{Busy, ComputePlace, Lack, Lane, LaneMemory, Panicked, Pool, WaitingRequest};
 use super::queue::Queue;
 use super::result_buffer::ResultBuffer;
 use super::store::{ArtifactDescription, Manifest, Usage};
@@ -210,18 +210,18 @@ impl Desk {
         mut waiting: WaitingRequest,
     ) {
         let phase = loop {
-            let turn = tokio::select! {
-                turn = self.pool.turn(lane, waiting) => turn,
+            let place = tokio::select! {
+                place = self.pool.compute_place(lane, waiting) => place,
                 () = computation.stopped() => break Phase::Failed(Failure::Cancelled),
             };
-            let phase = self.clone().take_turn(&computation, &task, lane, turn).await;
+            let phase = self.clone().run_task(&computation, &task, lane, place).await;
             let is_moved = matches!(&phase, Phase::Failed(Failure::Cancelled)) && computation.watch.is_set_aside();
             if !is_moved {
                 break phase;
             }
             lane = Lane::Long;
             match self.pool.line_up_again(lane, peer, task.cost().memory_bytes) {
-                Ok(place) => waiting = place,
+                Ok(again) => waiting = again,
                 Err(busy) => break Phase::Failed(Failure::Busy(busy)),
             }
             computation.watch.begin_again();
@@ -235,13 +235,13 @@ impl Desk {
         stored.into_iter().for_each(|manifest| self.persist(&manifest));
     }
 
-    /// Runs a task in a turn, within the time limit of the lane.
-    async fn take_turn(
+    /// Runs a task at a place among the compute threads, within the time limit of the lane.
+    async fn run_task(
         self: Arc<Self>,
         computation: &Arc<Computation>,
         task: &Arc<dyn Task>,
         lane: Lane,
-        turn: Turn,
+        place: ComputePlace,
     ) -> Phase {
         let Terms { run_timeout, short_time, .. } = self.terms;
         if computation.watch.check().is_err() {
@@ -250,7 +250,7 @@ impl Desk {
         computation.begin();
         let start = self.clock.now();
         let (desk, made, of_task) = (self.clone(), computation.clone(), task.clone());
-        let making = turn.spawn_keeping(move || desk.make_stored(&made, &*of_task));
+        let making = place.spawn_keeping(move || desk.make_stored(&made, &*of_task));
         let aside = (lane == Lane::Short).then_some(short_time);
         let made = until_overdue(making, computation, aside, run_timeout).await;
         self.pool.finished(lane, self.clock.now().saturating_sub(start));

@@ -130,15 +130,15 @@ struct LaneState {
     average_us: AtomicU64,
 }
 
-/// The right to compute now.
+/// A place among the compute threads of a lane: the right to compute now.
 #[derive(Debug)]
-pub struct Turn {
+pub struct ComputePlace {
     threads: Arc<rayon::ThreadPool>,
     place: LinePlace,
 }
 
-impl Turn {
-    /// Takes the memory out of the turn, whose place is given back.
+impl ComputePlace {
+    /// Takes the memory out of the place, which is given back.
     pub(super) fn into_memory(mut self) -> Option<LaneMemory> {
         self.place.memory.take()
     }
@@ -157,7 +157,7 @@ impl Turn {
         self.spawn_keeping(work).await.map(|(outcome, _)| outcome)
     }
 
-    /// Runs work like [`Turn::spawn`], and also returns the memory of the turn, which outlives the place.
+    /// Runs work like [`ComputePlace::spawn`], and also returns the memory of the place, which outlives it.
     ///
     /// # Errors
     /// [`Panicked`].
@@ -206,7 +206,7 @@ impl Pool {
         if is_short { Lane::Short } else { Lane::Long }
     }
 
-    /// Joins the line of a lane for a turn with `memory_bytes` of memory.
+    /// Joins the line of a lane for a place with `memory_bytes` of memory.
     ///
     /// # Errors
     /// [`Busy`] when the line, or this peer's part of it, is full.
@@ -223,9 +223,9 @@ impl Pool {
         self.lane(lane).line.join_again(peer, bytes(memory_bytes)).map_err(|_| self.busy(lane, Lack::Places))
     }
 
-    /// Waits for the turn.
-    pub async fn turn(&self, lane: Lane, waiting: WaitingRequest) -> Turn {
-        Turn { threads: Arc::clone(&self.lane(lane).threads), place: waiting.place().await }
+    /// Waits for a place among the compute threads of a lane.
+    pub async fn compute_place(&self, lane: Lane, waiting: WaitingRequest) -> ComputePlace {
+        ComputePlace { threads: Arc::clone(&self.lane(lane).threads), place: waiting.place().await }
     }
 
     /// Returns a refusal, with the time until the line of this lane will have passed, at least a second.

@@ -19,11 +19,11 @@ impl Desk {
         work: impl FnOnce(&Watch) -> T + Send + 'static,
     ) -> Result<T, ReadRefusal> {
         let waiting = self.pool.line_up(Lane::Reading, peer, memory_bytes.into()).map_err(ReadRefusal::Busy)?;
-        let turn = self.pool.turn(Lane::Reading, waiting).await;
+        let place = self.pool.compute_place(Lane::Reading, waiting).await;
         let start = self.clock.now();
         let watch = StopOnDrop(Watch::new());
         let watched = watch.0.clone();
-        let reading = turn.spawn(move || work(&watched));
+        let reading = place.spawn(move || work(&watched));
         let read = tokio::time::timeout(self.terms.run_timeout, reading).await;
         self.pool.finished(Lane::Reading, self.clock.now().saturating_sub(start));
         match read {

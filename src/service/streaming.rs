@@ -81,7 +81,7 @@ impl Desk {
             .ok_or_else(|| ReadRefusal::Busy(self.pool.busy(Lane::Long, Lack::Waiting)))?;
         let memory_bytes = memory_bytes.saturating_add(STREAM_BYTES);
         let waiting = self.pool.line_up(Lane::Long, peer, memory_bytes).map_err(ReadRefusal::Busy)?;
-        let memory = self.pool.turn(Lane::Long, waiting).await.into_memory();
+        let memory = self.pool.compute_place(Lane::Long, waiting).await.into_memory();
         let places = self.pool.stream_places.clone();
         let permit = places.clone().acquire_owned().await.ok();
         let queue = self.clock.now().saturating_sub(start);

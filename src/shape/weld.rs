@@ -9,7 +9,7 @@ use super::topology::index;
 const REPORTED_PAIRS: usize = 5;
 
 /// Smallest distance of a weld relative to the largest coordinate; below it, adjacent floating-point numbers may be
-/// further apart.
+/// further apart. Half or twice of it is still some thousand times the distance of such numbers.
 pub const LEAST_WELD: f64 = 1e-12;
 
 /// The vertices that are kept, and the vertices that the others were merged into.

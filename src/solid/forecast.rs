@@ -77,12 +77,14 @@ impl SolidForecast {
     }
 }
 
-/// Operations per bicubic face: the split of its parent, its net, its area and volume. Measured: 5 us.
+/// Operations per bicubic face: the split of its parent, its net, its area and volume. Measured: 5 us. Half or twice of
+/// it predicts half or twice the time.
 const LEAF_OPERATIONS: f64 = 6e3;
 /// Number of levels on which distances are estimated before one is small enough; a tolerance of 1e-9 takes more at
 /// valences above 6, a tolerance of 1e-5 half as many.
 const ESTIMATED_LEVELS: f64 = 10.0;
-/// Operations per face to sample four levels around a vertex: 150 points with their feet.
+/// Operations per face to sample four levels around a vertex: 150 points with their feet. Half or twice of it predicts
+/// half or twice the time.
 const SAMPLE_OPERATIONS: f64 = 1e6;
 
 /// Returns the number of operations for the solid of a mesh, each about a nanosecond.

@@ -217,7 +217,7 @@ pub struct DifferenceAnswer {
 }
 
 impl ComparisonAnswer {
-    const NOTHING: Self = Self {
+    const NOTHING_COMPARED: Self = Self {
         equal: false,
         pixels: None,
         sizes: None,
@@ -234,12 +234,12 @@ impl ComparisonAnswer {
     /// Creates the answer from the result of a comparison.
     pub fn new(found: &Compared) -> Self {
         match found {
-            Compared::Sizes(sizes) => Self { sizes: Some(*sizes), ..Self::NOTHING },
+            Compared::Sizes(sizes) => Self { sizes: Some(*sizes), ..Self::NOTHING_COMPARED },
             Compared::Pixels { difference, .. } => {
                 let Difference { different, smoothed, largest, picture } = difference;
                 let of = picture.len() as u64;
                 let pixels = PixelsAnswer { different: *different, of, smoothed: *smoothed, largest: *largest };
-                Self { equal: *different == 0, pixels: Some(pixels), ..Self::NOTHING }
+                Self { equal: *different == 0, pixels: Some(pixels), ..Self::NOTHING_COMPARED }
             }
             Compared::Shapes { stats, farthest, tolerance } => Self::of_shapes(stats, *farthest, *tolerance),
         }
@@ -272,7 +272,7 @@ impl ComparisonAnswer {
             volume: number("volume"),
             bounds: boxes(&stats),
             shape_hash: Some(HashesAnswer { a, b, equal: is_same }),
-            ..Self::NOTHING
+            ..Self::NOTHING_COMPARED
         }
     }
 }

@@ -19,7 +19,7 @@ fn label(text: &str) -> Label {
 fn everything() -> Drawing {
     let x = Axis { low: -1.0, high: 3.0, label: Some(label(r"parameter \alpha_0")) };
     let y = Axis { low: 0.0, high: 0.5, label: Some(label("max |d^{k}| in \u{211d}^2")) };
-    let axes = Axes { frame: [80.0, 30.0, 300.0, 200.0], x, y, grid: true, size_px: 12.0 };
+    let axes = Axes { border: [80.0, 30.0, 300.0, 200.0], x, y, grid: true, size_px: 12.0 };
     let line = |phase: f64| (0..=60).map(|i| f64::from(i) / 15.0 - 1.0).map(move |x| [x, 0.25 + 0.2 * sin(x - phase)]);
     let run = |phase| line(phase).map(|p| axes.place(p)).collect::<Vec<_>>();
     let dashed = Stroke { dash: vec![6.0, 4.0], cap: Cap::Butt, ..Stroke::solid(2.0, [220, 38, 38, 255]) };

@@ -3,10 +3,15 @@
 //! the curve scheme.
 
 use super::ring::TubeRing;
-use crate::math::functions::{cos, sqrt};
+use crate::math::functions::cos;
 use crate::math::vector::{Complex, cross, dot, length, times};
 use crate::scheme::operator::Role;
 use crate::scheme::plan::Scheduled;
+
+/// Largest movement of a ring in a level, relative to its coordinates, at which it has settled: half of a unit in the
+/// last place or one, which is rounding. Half of it may go on to the last level; twice of it stops up to a level
+/// earlier, with a last digit that differs.
+const SETTLED_RING_SHARE: f64 = 1e-16;
 
 /// The first vertices of the rings around a line, from one end to the other.
 #[derive(Debug, Clone)]
@@ -47,14 +52,13 @@ impl Profile {
 
     /// Returns the radius of the ring of the line.
     pub(super) fn radius(&self) -> f64 {
-        let [x, y] = self.here();
-        sqrt(x * x + y * y)
+        length(self.here())
     }
 
     /// Returns whether the ring of the line has not moved from `before`, up to rounding.
     pub(super) fn has_settled(&self, before: Complex) -> bool {
         let [x, y] = self.here();
-        (x - before[0]).abs() + (y - before[1]).abs() <= 1e-16 * (x.abs() + y.abs())
+        (x - before[0]).abs() + (y - before[1]).abs() <= SETTLED_RING_SHARE * (x.abs() + y.abs())
     }
 
     /// Returns the profile after an upsampling and the steps up to the next one, with the kernel `along` the axis, for

@@ -1,6 +1,6 @@
 //! Warnings for plans with parameters for which the scheme may not converge, or may not be smooth.
 
-use super::cycle::{CycleMask, NoMask};
+use super::cycle::{CycleMask, NoMask, SUM_TOLERANCE};
 use crate::scheme::letter::Letter;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::Plan;
@@ -56,7 +56,7 @@ pub fn warnings(plan: &Plan, levels: u32, watch: &Watch) -> Result<Vec<String>, 
 fn sums(cycle: &CycleMask) -> Option<String> {
     let arity = u32::try_from(cycle.arity).ok()?;
     let sums = cycle.mask.residue_sums(arity);
-    let (residue, sum) = sums.iter().enumerate().find(|(_, sum)| (*sum - 1.0).abs() > 1e-9)?;
+    let (residue, sum) = sums.iter().enumerate().find(|(_, sum)| (*sum - 1.0).abs() > SUM_TOLERANCE)?;
     Some(format!(
         "the scheme does not converge: the entries of its mask at {residue} modulo {arity} sum to {sum}, and a scheme \
          converges only where every such sum is 1"

@@ -16,6 +16,9 @@ const MAX_IMPULSE_POINTS: u64 = 1 << 16;
 /// rounding may keep equal masks apart, and more levels are regarded as changing; with twice of it the limit may differ
 /// by 1e-15 more.
 const SETTLED_MASK_DISTANCE: f64 = 1e-15;
+/// Largest difference from 1 of a sum of weights that counts as 1. Sums of a few hundred weights are wrong by 1e-13;
+/// half of it is still far above that, and twice of it takes masks for convergent whose sums are 2e-9 off.
+pub(super) const SUM_TOLERANCE: f64 = 1e-9;
 /// Number of products of weights that take as long as a row of a table, about 100 ns. It only sets how much of the
 /// budget and of the progress a product takes: with half of it a search ends after half the work, with twice of it
 /// after twice the work.

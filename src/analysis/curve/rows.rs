@@ -4,7 +4,7 @@
 //! to the place `d x + c` of the next polygon, so that the limit row of a place is the limit row of its image times the
 //! matrix of the cycle.
 
-use super::cycle::{CycleMask, NoMask, real};
+use super::cycle::{CycleMask, NoMask, SUM_TOLERANCE, real};
 use crate::scheme::plan::Plan;
 use crate::watch::Watch;
 
@@ -25,6 +25,13 @@ const ROUNDING_CHANGE: f64 = 1e-14;
 /// [`ROUNDING_CHANGE`] leaves and far below the difference of the sides of a kink, a fraction of 1, so that half or
 /// twice of it decides alike.
 const TANGENT_TOLERANCE: f64 = 1e-9;
+/// Largest change of a row in a repetition; a change beyond it shows that the rows grow without bound. Rows that
+/// converge have weights of some units. Half or twice of it notices growth a repetition earlier or later.
+const MAX_ROW_CHANGE: f64 = 1e9;
+/// Minimum slope of a row of a tangent, as a share of the sum of its absolute weights, by which the row is divided. A
+/// row whose slope vanishes has a share of some roundings of 1. At this value ten digits are left; half of it leaves a
+/// third of a digit less, twice of it more.
+const LEAST_SLOPE_SHARE: f64 = 1e-6;
 
 /// Weights of the points around a place: weight k belongs to the point at the offset `(first + 2 k) / 2`.
 #[derive(Debug, Clone, PartialEq)]
@@ -161,8 +168,8 @@ fn pure(tangent: &Pair, position: &Pair) -> Pair {
 /// Returns the left eigenvectors for the eigenvalue 1 of a static cycle.
 fn settled_positions(cycle: &CycleMask) -> Result<Pair, NoMask> {
     let start = [WeightRow::new(0, &[1.0]), WeightRow::new(-1, &[0.5, 0.5])];
-    let pair = settled(start, 1e9, |pair| Some(before(pair, cycle))).ok_or(NoMask::Diverges)?;
-    let complete = pair.iter().all(|row| (row.sum() - 1.0).abs() < 1e-9);
+    let pair = settled(start, MAX_ROW_CHANGE, |pair| Some(before(pair, cycle))).ok_or(NoMask::Diverges)?;
+    let complete = pair.iter().all(|row| (row.sum() - 1.0).abs() < SUM_TOLERANCE);
     if complete { Ok(pair) } else { Err(NoMask::Diverges) }
 }
 
@@ -180,7 +187,8 @@ fn settled_tangent(cycle: &CycleMask, position: &Pair, start: Pair) -> Option<Pa
         let mut next = pure(&before(pair, cycle), position);
         for row in &mut next {
             let slope = row.slope();
-            if !slope.is_finite() || slope.abs() < 1e-6 * row.weights.iter().map(|w| w.abs()).sum::<f64>() {
+            if !slope.is_finite() || slope.abs() < LEAST_SLOPE_SHARE * row.weights.iter().map(|w| w.abs()).sum::<f64>()
+            {
                 return None;
             }
             *row = row.scaled(1.0 / slope).trimmed();

@@ -7,11 +7,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::cycle::{Child, Cycle};
 use super::disc::{Centre, Disc, RingCount};
 use super::error::Unlimited;
+use super::leading::starting_vectors;
 use super::rotation;
 use super::sector::{SectorSupport, Sectors};
 use super::skeleton::{Skeletons, TracedLevel};
-use super::tangent::{self, NoTangents, starting_vectors};
+use super::tangent::{self, NoTangents};
 use super::vertex_parameters::{CommonParameters, VertexParameters};
+use crate::math::dense::dot;
 
 /// Maximum number of levels within which the disc of a child must repeat. Each level moves vertices that differ from
 /// their surroundings farther apart, and nothing else changes discs.
@@ -359,7 +361,7 @@ fn comes_together(position: &[f64], forth: impl Fn(&[f64]) -> Vec<f64>) -> bool 
     starting_vectors(position.len(), WITNESS_COLUMNS).into_iter().all(|mut column| {
         let (mut size, mut early) = (1.0, f64::INFINITY);
         for step in 0..=2 * WARM_UP {
-            let limit: f64 = position.iter().zip(&column).map(|(weight, x)| weight * x).sum();
+            let limit = dot(position, &column);
             let largest = column.iter().map(|x| (x - limit).abs()).fold(0.0, f64::max);
             size *= largest;
             if size <= CONVERGED_DISTANCE {

@@ -24,6 +24,7 @@ mod field;
 mod first_use;
 mod grid;
 mod impulse;
+mod leading;
 mod limits;
 mod mask;
 mod mesh;

@@ -8,6 +8,11 @@ use std::collections::BTreeMap;
 use super::disc::{Centre, Disc};
 use crate::shape::topology::index;
 
+/// Largest absolute weight outside a sector that counts as zero: 450 roundings of 1, as iterated masks have. Half of it
+/// is still above what sums of a disc's weights leave; twice of it takes a sector for independent whose limit depends
+/// on others by 2e-13.
+const OUTSIDE_ROUNDING: f64 = 1e-13;
+
 /// The sectors to which the faces at the centre of a disc belong.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Sectors {
@@ -125,9 +130,9 @@ impl SectorSupport {
         all
     }
 
-    /// Returns whether numbers of the support are zero outside the sector, up to rounding (1e-13).
+    /// Returns whether numbers of the support are zero outside the sector, up to [`OUTSIDE_ROUNDING`].
     pub(super) fn holds(&self, numbers: &[f64]) -> bool {
         let outside = |(v, _): &(usize, &f64)| self.vertices.binary_search(&index(*v)).is_err();
-        numbers.iter().enumerate().filter(outside).all(|(_, x)| x.abs() <= 1e-13)
+        numbers.iter().enumerate().filter(outside).all(|(_, x)| x.abs() <= OUTSIDE_ROUNDING)
     }
 }

@@ -1,5 +1,6 @@
 //! Small matrices and the eigenspaces of their largest eigenvalues.
 
+use crate::math::dense::dot;
 use crate::math::functions::{exp, ln, sqrt};
 
 /// Number of squarings of the small matrix before it is iterated: each step applies its 32nd power. Half of it applies
@@ -10,6 +11,14 @@ const SMALL_SQUARINGS: usize = 5;
 /// eigenvalues whose quotient is 0.9988. Half of it separates 0.9977; twice of it separates 0.9994, and takes twice as
 /// long if they are equal.
 const MAX_INNER: usize = 800;
+/// Maximum part of the images of the first vectors in the others, relative to the largest entry of these images, at
+/// which the iteration ends. It is 450 roundings of 1, more than those of a few products of eight terms each. Half of
+/// it takes a step more where eigenvalues are close; twice of it leaves twice as much of the other eigenvectors.
+const MAX_MIXING: f64 = 1e-13;
+/// Maximum length of what is left of a vector that depends on those before it, relative to its length before: 45
+/// roundings of 1. Half of it comes closer to the rounding of the products that are subtracted, and would make a vector
+/// of it; twice of it drops vectors that are within 2e-14 of the span of the others.
+const REMAINING_SHARE: f64 = 1e-14;
 
 /// K vectors of equal length.
 pub(super) type Vectors<const K: usize> = [Vec<f64>; K];
@@ -44,7 +53,7 @@ pub(super) fn leading_basis<const K: usize>(h: &[Vec<f64>]) -> Option<(Vectors<K
         let image = first.each_ref().map(|u| times(u, h));
         let size = image.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
         let mixing = image.iter().flat_map(|u| others.iter().map(|v| dot(u, v).abs()));
-        if mixing.fold(0.0, f64::max) <= 1e-13 * size {
+        if mixing.fold(0.0, f64::max) <= MAX_MIXING * size {
             return Some((first.clone(), others.to_vec()));
         }
     }
@@ -93,12 +102,8 @@ pub(super) fn orthonormalise(vectors: &mut [Vec<f64>]) {
             }
         }
         let length = sqrt(dot(vector, vector));
-        let scale = if length > 1e-14 * original && length > 1e-280 { 1.0 / length } else { 0.0 };
+        // a length is a root, so that one above 0 has a finite inverse
+        let scale = if length > REMAINING_SHARE * original { 1.0 / length } else { 0.0 };
         vector.iter_mut().for_each(|x| *x *= scale);
     }
-}
-
-/// Returns the dot product.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

@@ -14,7 +14,7 @@ use super::fan::{FanBoundary, FanPlace, FanRows, mirrored, places, radius};
 use super::local::{Applied, closed};
 use super::regular::RegularMask;
 use super::sectors::{LatticePoint, NetKind, PlaneNet, WEIGHT_ROUNDING};
-use super::spectrum::PointWeight;
+use super::spectrum::{EQUAL_EIGENVALUES, PointWeight, listed_digits};
 use super::verdict::{Criterion, REGULAR_NETS, SIMPLE_EIGENVALUE_ONE, Status};
 use crate::analysis::limit::Unlimited;
 use crate::math::dense::Dense;
@@ -24,6 +24,10 @@ use crate::watch::Watch;
 /// Largest sine of a corner angle that is regarded as 0. Corners of schemes in use have sines of at least a hundredth,
 /// or of 1e-13 if they are flat. Half or twice of it decides alike.
 const FLAT_CORNER_SINE: f64 = 1e-9;
+/// Largest difference of coordinates of an eigenvector, whose largest is 1, at which they count as equal, so that of
+/// equal points the first sets the scale whatever rounding says. Coordinates are wrong by some 1e-13; half or twice of
+/// it decides alike unless a net has points as near as that.
+const EQUAL_COORDINATES: f64 = 1e-9;
 /// The statement about the two eigenvalues after 1.
 const NEXT_EIGENVALUES: &str = "the next two eigenvalues are real and positive, one of vectors that are even under \
                     the reflection and one of odd ones, and all others are smaller";
@@ -127,9 +131,10 @@ impl EigenvectorPair {
         // scale: along the boundary the first point of ray 0 lies at 1, across it the farthest of the nearest points
         let near = |point: &LatticePoint| point.iter().all(|x| (0..=1).contains(x));
         let nearest = values.iter().filter(|(place, _)| place.is_some_and(|(_, point)| near(&point)));
-        let largest = nearest.fold(0.0, |most: f64, (_, x)| if x.abs() > most.abs() + 1e-9 { *x } else { most });
+        let largest =
+            nearest.fold(0.0, |most: f64, (_, x)| if x.abs() > most.abs() + EQUAL_COORDINATES { *x } else { most });
         let ray = values.get(&Some((0, [1, 0]))).copied().unwrap_or(0.0);
-        let scale = if block.sign < 0.0 && ray.abs() > 1e-9 { ray } else { largest };
+        let scale = if block.sign < 0.0 && ray.abs() > EQUAL_COORDINATES { ray } else { largest };
         let values: BTreeMap<FanPlace, f64> = values.into_iter().map(|(place, x)| (place, x / scale)).collect();
         let weights = block.shared(&block.matrix.transposed().eigenvector(value));
         let product = dot(&weights, &values);
@@ -173,15 +178,15 @@ impl Applied {
         let limit = even.shared(&even.matrix.transposed().eigenvector(1.0));
         let sum: f64 = limit.values().sum();
         let limit = limit.into_iter().map(|(place, w)| (place, w / sum)).collect();
-        let rest = even.size(2).max(odd.size(1)) * (1.0 + 1e-9);
+        let rest = even.size(2).max(odd.size(1)) * (1.0 + EQUAL_EIGENVALUES);
         let next = odd.leading(0).zip(even.leading(1)).filter(|(a, b)| a.min(*b) > rest);
         let directions = next.map(|(a, b)| [EigenvectorPair::of(&odd, a), EigenvectorPair::of(&even, b)]);
         let place = |both: &[EigenvectorPair; 2], place| Some([both[0].at(&rows, place)?, both[1].at(&rows, place)?]);
         let points: Option<BTreeMap<FanPlace, [f64; 2]>> =
             directions.as_ref().and_then(|both| rows.rows.keys().map(|&at| Some((at, place(both, at)?))).collect());
         let least_sine = points.as_ref().map(|points| least_sine(kind, m, points));
-        let first = |x: Option<&Eigenvalue>| x.is_some_and(|x| (x.re - 1.0).abs() < 1e-9 && x.im == 0.0);
-        let one = first(even.values.first()) && even.size(1).max(odd.size(0)) < 1.0 - 1e-9;
+        let first = |x: Option<&Eigenvalue>| x.is_some_and(|x| (x.re - 1.0).abs() < EQUAL_EIGENVALUES && x.im == 0.0);
+        let one = first(even.values.first()) && even.size(1).max(odd.size(0)) < 1.0 - EQUAL_EIGENVALUES;
         let seen = |holds: bool| if holds { Status::Supported } else { Status::Open };
         let criteria = [
             (REGULAR_NETS, smooth),
@@ -222,9 +227,7 @@ fn sorted(even: &ParityBlock, odd: &ParityBlock) -> Vec<Sided> {
     };
     let mut all = of(even, false);
     all.extend(of(odd, true));
-    #[expect(clippy::cast_possible_truncation, reason = "sizes are far below 10^8")]
-    let digits = |x: f64| (x * 1e10).round() as i64;
-    all.sort_by_key(|found| (-digits(found.value.modulus()), found.is_odd, -digits(found.value.re)));
+    all.sort_by_key(|found| (-listed_digits(found.value.modulus()), found.is_odd, -listed_digits(found.value.re)));
     all
 }
 

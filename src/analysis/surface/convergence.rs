@@ -8,7 +8,7 @@
 //! (1991), chapter 8.
 
 use super::iterated::Iterated;
-use super::regular::{Polynomial, RegularMask, divided};
+use super::regular::{Polynomial, RegularMask, ZERO_WEIGHT, divided};
 use super::sectors::LatticePoint;
 
 /// Maximum number of steps of a difference scheme whose norm is computed. Butterfly needs two, Kobbelt's scheme three;
@@ -18,6 +18,9 @@ const MAX_DIFFERENCE_STEPS: usize = 6;
 /// Maximum k for which a proof is attempted. Schemes that are neither products nor splines are C^2 at best. Half of it
 /// would miss that; twice of it only takes time.
 const MAX_PROOF_ORDER: usize = 3;
+/// Upper bound of what rounding adds to sums of weights that are 1, after some levels: 4,500 roundings of 1. Half of it
+/// would still cover them; twice of it raises the bound in the 12th digit.
+const BASIC_SUM_ROUNDING: f64 = 1e-12;
 
 /// A proof that limits are C^k: the norms of the difference schemes along two directions, one pair for each derivative.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,8 +126,8 @@ fn contraction(mask: &Polynomial, d: i32) -> Option<Contraction> {
 /// to the weighted point, times the differences along these steps. Differences of data of size 1 are 2 at most, and
 /// shrink with the contractions. The result is the least bound over all numbers of steps.
 pub(super) fn lebesgue_bound(mask: &Polynomial, d: i32) -> Option<f64> {
-    if mask.values().all(|&a| a >= -1e-15) {
-        return Some(1.0 + 1e-12);
+    if mask.values().all(|&a| a >= -ZERO_WEIGHT) {
+        return Some(1.0 + BASIC_SUM_ROUNDING);
     }
     let pair = contractions(mask, d)?;
     let tail = |contraction: &Contraction| {

@@ -5,12 +5,15 @@
 //! `(z - B)^-1 r = r / z + (z - B)^-1 B r / z`. With `|(z - B)^-1| <= g` and `|B r| <= e` there is exactly one such
 //! eigenvalue, simple and real, within `v |l| g e` of v (Rouche), and its eigenvector differs from r by at most `g e`.
 
-use crate::math::dense::Dense;
+use crate::math::dense::{Dense, dot};
 
 /// Bound of the relative error of weights against the exact weights of the scheme. A weight is made in some ten
 /// operations with errors of 1e-16 each, and multiplied through some ten actions. Half of it leaves no room for longer
 /// words; twice of it changes bounds by as much.
 const WEIGHT_ERROR: f64 = 2e-14;
+/// What is added to the radius of an eigenvalue below 1 for the rounding of the value itself: 45 units in the last
+/// place of 1. Half of it still covers sums of some dozen terms; twice of it widens the radius by as much.
+const VALUE_ROUNDING: f64 = 1e-14;
 
 /// A simple real eigenvalue that is larger than all others, with error bounds of the eigenvalue and its eigenvector.
 #[derive(Debug, Clone)]
@@ -48,10 +51,10 @@ impl Enclosure {
     pub(super) fn of(matrix: &Dense, near: f64, theta: f64) -> Option<Self> {
         let right = matrix.eigenvector(near);
         let left = matrix.transposed().eigenvector(near);
-        let product: f64 = left.iter().zip(&right).map(|(l, r)| l * r).sum();
+        let product = dot(&left, &right);
         let left: Vec<f64> = left.iter().map(|l| l / product).collect();
         let image = matrix.times_column(&right);
-        let value: f64 = left.iter().zip(&image).map(|(l, x)| l * x).sum();
+        let value = dot(&left, &image);
         let mut rest = matrix.clone();
         for (i, r) in right.iter().enumerate() {
             left.iter().enumerate().for_each(|(j, l)| *rest.at_mut(i, j) -= value * r * l);
@@ -61,7 +64,7 @@ impl Enclosure {
         let bound = rest.resolvent_beyond(theta, unknown)?;
         let left_over = rest.times_column(&right).iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let error = bound * (left_over + 2.0 * unknown);
-        let radius = value.abs() * size * error + 1e-14;
+        let radius = value.abs() * size * error + VALUE_ROUNDING;
         // also false if a value is not a number
         (value.abs() - radius > theta).then_some(Self { value, radius, error })
     }

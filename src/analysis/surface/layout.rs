@@ -4,7 +4,8 @@
 use super::sectors::NetKind;
 use super::star::SectorPoint;
 use crate::analysis::limit::{CycleRecord, Unlimited, WeightMode};
-use crate::math::functions::{atan2, real, sqrt};
+use crate::math::functions::{atan2, real};
+use crate::math::vector::length;
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Children;
 use crate::scheme::plan::{Plan, Scheduled};
@@ -59,8 +60,7 @@ impl PlacementRecord {
         let whole = sectors.round();
         #[expect(clippy::cast_possible_truncation, reason = "at most half of the valence")]
         let turned = (whole as i64).rem_euclid(i64::try_from(n).unwrap_or(1));
-        let size = |[x, y]: [f64; 2]| sqrt(x * x + y * y);
-        let shrinks = size(sum) / size(kind.direction(n, 0, [i32::from(kind.has_centre()), 0]));
+        let shrinks = length(sum) / length(kind.direction(n, 0, [i32::from(kind.has_centre()), 0]));
         let turned = usize::try_from(turned).unwrap_or(0);
         Ok(((sectors - whole).abs() <= ALIGNED_TURN).then_some((turned, shrinks)))
     }

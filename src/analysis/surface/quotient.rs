@@ -33,6 +33,13 @@ const MAX_SUM_RULES: i32 = 8;
 /// Maximum number of points outside the triangle. Masks with 9 x 9 entries have some forty. Half of it leaves out the
 /// push-back with k = 1; twice of it takes eight times as long and more.
 const MAX_QUOTIENT_POINTS: usize = 48;
+/// Bound of the rounding of logarithms and their quotient in an exponent, for which it is widened. It is some thousand
+/// roundings of an exponent, which has a few; half of it still covers them, twice of it widens exponents by as much.
+const EXPONENT_ROUNDING: f64 = 1e-12;
+/// Largest distance of a weight from the fraction that it stands for: 45 roundings of 1, as sums of weights have. Half
+/// of it may take weights of long words as binary numbers, with which proofs take longer; twice of it may take a weight
+/// for a fraction that it is not, if both differ in the 14th digit.
+const FRACTION_DISTANCE: f64 = 1e-14;
 
 /// Bounds of the joint spectral radius, and of the smoothness that follows.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,9 +89,8 @@ impl Quotient {
         let disproved_c = if diverges { Some(0) } else { is_stable.then(|| i64::from(rough.unwrap_or(order))) };
         let exponent = |radius: f64| -ln(radius) / ln(f64::from(d));
         let over = radius.upper.exact.as_ref().map_or(radius.upper.value, rounded);
-        // covers some roundings of logarithms and their quotient
-        let least_holder = (exponent(over) - 1e-12).min(f64::from(order));
-        let most_holder = lower.map(|lower| (exponent(lower.value) + 1e-12).min(f64::from(order)));
+        let least_holder = (exponent(over) - EXPONENT_ROUNDING).min(f64::from(order));
+        let most_holder = lower.map(|lower| (exponent(lower.value) + EXPONENT_ROUNDING).min(f64::from(order)));
         Ok(Some(Self { sum_rules: order, radius, least_holder, most_holder, proved_c, disproved_c }))
     }
 }
@@ -93,7 +99,7 @@ impl Quotient {
 pub(super) fn fraction(a: f64) -> Option<Exact> {
     let near = exact::simple(a)?;
     // a weight farther from the fraction is taken as the exact binary number
-    let is_near = rounded(&near).to_bits() == a.to_bits() || (rounded(&near) - a).abs() <= 1e-14;
+    let is_near = rounded(&near).to_bits() == a.to_bits() || (rounded(&near) - a).abs() <= FRACTION_DISTANCE;
     Some(if is_near { near } else { binary(a) })
 }
 

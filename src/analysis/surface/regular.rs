@@ -19,6 +19,9 @@ use crate::watch::Watch;
 /// roundings. Half of it misses factors of long masks; twice of it finds factors in masks that are twice as far from
 /// having them.
 const FACTOR_REMAINDER: f64 = 1e-12;
+/// Largest absolute weight that is regarded as 0, five roundings of 1: terms that cancel leave one or two. Half of it
+/// may keep what some cancellations leave; twice of it drops weights of up to 2e-15.
+pub(super) const ZERO_WEIGHT: f64 = 1e-15;
 /// A Laurent polynomial in two variables, by exponents.
 pub(super) type Polynomial = BTreeMap<LatticePoint, f64>;
 
@@ -57,7 +60,7 @@ impl RegularMask {
                 *mask.entry([x - d * i, y - d * j]).or_insert(0.0) += entry.weight;
             }
         }
-        mask.retain(|_, weight| weight.abs() > 1e-15);
+        mask.retain(|_, weight| weight.abs() > ZERO_WEIGHT);
         let size = f64::from(d);
         let mut residual: Polynomial = mask.iter().map(|(&k, &a)| (k, a / (size * size))).collect();
         let mut factors = [0; 4];

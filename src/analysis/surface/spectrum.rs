@@ -3,9 +3,24 @@
 use super::blocks::{Component, FourierBlock};
 use super::local::LocalRows;
 use super::sectors::{LatticePoint, NetKind};
+use crate::math::dense::dot;
 use crate::math::functions::{cos, real, sin};
 use crate::math::spectrum::{Eigenvalue, eigenvalues};
 use crate::watch::{Stopped, Watch};
+
+/// Largest difference of two eigenvalues, relative to the larger one, at which they count as equal. Simple eigenvalues
+/// of matrices of some dozen rows are wrong by 1e-13; half of it is still far above that. Twice of it counts
+/// eigenvalues as equal, and leaves open what depends on their order, that differ by 2e-9 of themselves.
+pub(super) const EQUAL_EIGENVALUES: f64 = 1e-9;
+/// Number of steps per unit on which absolute values are compared in lists. Ten digits are well above the rounding of
+/// eigenvalues. Half of it takes more of them for equal in size; twice of it comes closer to rounding, but not near.
+const LISTED_STEPS: f64 = 1e10;
+
+/// Rounds a number to the digits by which eigenvalues are listed.
+#[expect(clippy::cast_possible_truncation, reason = "sizes are far below 10^8")]
+pub(super) fn listed_digits(x: f64) -> i64 {
+    (x * LISTED_STEPS).round() as i64
+}
 
 /// An eigenvalue of the local matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,9 +88,9 @@ impl Spectrum {
                 }
             }
         }
-        #[expect(clippy::cast_possible_truncation, reason = "sizes are far below 10^8")]
-        let digits = |x: f64| (x * 1e10).round() as i64;
-        let key = |found: &LocalEigenvalue| (-digits(found.value.modulus()), found.fourier, -digits(found.value.re));
+        let key = |found: &LocalEigenvalue| {
+            (-listed_digits(found.value.modulus()), found.fourier, -listed_digits(found.value.re))
+        };
         all.sort_by_key(key);
         all
     }
@@ -103,7 +118,7 @@ impl Spectrum {
     /// Returns the left eigenvector for 1 in the block of index 0, scaled to the product 1 with [`Self::ones`].
     pub(super) fn limit_row(&self) -> Vec<f64> {
         let left = self.blocks[0].matrix.transposed().eigenvector(1.0);
-        let sum: f64 = left.iter().zip(self.ones()).map(|(l, one)| l * one).sum();
+        let sum = dot(&left, &self.ones());
         left.iter().map(|l| l / sum).collect()
     }
 

@@ -14,6 +14,7 @@ use super::spectrum::{LocalEigenvalue, PointWeight, Spectrum};
 use super::survey::{Extraordinary, on_boundary, survey};
 use super::verdict::{Case, Criterion};
 use crate::analysis::limit::Unlimited;
+use crate::math::dense::dot;
 use crate::scheme::operator::Children;
 use crate::scheme::plan::Plan;
 use crate::shape::tile::Tile;
@@ -159,7 +160,7 @@ impl SurfaceStudy {
         let tangent_masks = vector.as_ref().map(|(value, right)| {
             let left = spectrum.blocks[1].matrix.transposed().eigenvector(*value);
             let scale = scale(&spectrum, right);
-            let product: f64 = left.iter().zip(right).map(|(l, r)| l * r).sum();
+            let product = dot(&left, right);
             let left: Vec<f64> = left.iter().map(|l| l * scale / product).collect();
             spectrum.tangent_masks(&left)
         });
@@ -231,7 +232,7 @@ fn net(spectrum: &Spectrum, local: &LocalRows, value: f64, vector: &[f64]) -> Op
     let all = components(kind, farthest, 1);
     let entry = |component: &super::blocks::Component| {
         let weights = row(kind, n, 1, local, *component, known)?;
-        Some(weights.iter().zip(vector).map(|(w, x)| w * x).sum::<f64>() / (value * scale))
+        Some(dot(&weights, vector) / (value * scale))
     };
     let extended: Vec<f64> = all.iter().map(entry).collect::<Option<_>>()?;
     Some(CharacteristicNet { n, values: FourierBlock::values(&all, &extended).into_iter().collect() })

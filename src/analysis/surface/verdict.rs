@@ -2,7 +2,7 @@
 
 use super::characteristic::{CharacteristicNet, LEAST_DETERMINANT, RingProof, RingVerdict};
 use super::enclosure::{Enclosure, is_below, without_one};
-use super::spectrum::Spectrum;
+use super::spectrum::{EQUAL_EIGENVALUES, Spectrum};
 use crate::watch::{Stopped, Watch};
 
 /// How far a statement is decided.
@@ -83,16 +83,16 @@ impl Case<'_> {
 
     fn numbers_of_one(&self) -> Status {
         let values = &self.spectrum.values;
-        let first = values[0].first().is_some_and(|x| (x.re - 1.0).abs() < 1e-9 && x.im == 0.0);
+        let first = values[0].first().is_some_and(|x| (x.re - 1.0).abs() < EQUAL_EIGENVALUES && x.im == 0.0);
         let others = values[1..].iter().filter_map(|values| values.first()).chain(values[0].get(1));
-        let smaller = others.map(|x| x.modulus()).fold(0.0, f64::max) < 1.0 - 1e-9;
+        let smaller = others.map(|x| x.modulus()).fold(0.0, f64::max) < 1.0 - EQUAL_EIGENVALUES;
         if first && smaller { Status::Supported } else { Status::Open }
     }
 
     fn numbers_of_subdominant(&self) -> Status {
         let (next, _) = self.spectrum.next();
         match self.spectrum.subdominant() {
-            Some(value) if next < value * (1.0 - 1e-9) => Status::Supported,
+            Some(value) if next < value * (1.0 - EQUAL_EIGENVALUES) => Status::Supported,
             _ => Status::Open,
         }
     }

@@ -2,7 +2,7 @@
 
 use super::easel::Easel;
 use crate::drawing::PolylinePoints;
-use crate::math::vector::{Vector, cross, dot, minus, times, unit};
+use crate::math::vector::{Vector, cross, dot, length, minus, times, unit};
 use crate::output::error::FormatError;
 use crate::output::scene::{Curve, ROWS_PER_CHUNK};
 use crate::watch::Watch;
@@ -10,7 +10,8 @@ use crate::watch::Watch;
 /// Length of a tooth that 95 % of the points do not exceed, as a share of the smaller side of the visible part. Twice
 /// of it leaves the picture; half of it hides small wiggles.
 const TOOTH_LENGTH: f64 = 0.12;
-/// Longest tooth in units of that length: curvature at corners is unbounded, and would lead out of the picture.
+/// Longest tooth in units of that length: curvature at corners is unbounded, and would lead out of the picture. Half of
+/// it cuts teeth that differ little from usual ones; twice of it lets single teeth hide the others.
 const LONGEST_TOOTH: f64 = 3.0;
 /// Minimum distance between teeth, pixels; half of it makes an area of them.
 const SPACING_PX: f64 = 4.0;
@@ -22,7 +23,8 @@ const STRAIGHT_RADIUS: f64 = 1e3;
 /// largest coordinate. Measured on straight lines under nine plans, at 6 and 10 levels: 1.4 at most. Half of it would
 /// leave little above that; twice of it would hide bends twice as large.
 const COLLINEAR_ULPS: f64 = 4.0;
-/// Length of a tangent, as a share of the smaller side of the visible part.
+/// Length of a tangent, as a share of the smaller side of the visible part. A matter of taste: half of it hardly shows
+/// a direction; twice of it crosses the curve elsewhere.
 const TANGENT_LENGTH: f64 = 0.14;
 
 /// The teeth of combs, each from the curve to its end, and the lines that join the ends.
@@ -58,12 +60,12 @@ pub(super) fn combs(
         return Ok(comb);
     }
     let longest = LONGEST_TOOTH * usual;
-    let length = scale * TOOTH_LENGTH * side_px / unit_px / usual;
+    let stretch = scale * TOOTH_LENGTH * side_px / unit_px / usual;
     for (curve, bends) in curves.iter().zip(&bends) {
         let end = |i: usize, bend: &Vector| {
             let size = dot(*bend, *bend).sqrt();
             let shown = if size > longest { times(longest / size, *bend) } else { *bend };
-            minus(easel.lifted(curve, i), times(length, shown))
+            minus(easel.lifted(curve, i), times(stretch, shown))
         };
         let (mut last, mut ends) = (None::<[f64; 2]>, Vec::new());
         for (i, bend) in bends.iter().enumerate() {
@@ -73,7 +75,7 @@ pub(super) fn combs(
             let (foot, tip) = (easel.place(easel.lifted(curve, i)), easel.place(end(i, bend)));
             let (Some(foot), Some(tip)) = (foot, tip) else { continue };
             ends.push(short(tip));
-            let far = last.is_none_or(|last| distance(last, foot) >= SPACING_PX);
+            let far = last.is_none_or(|last| length(minus(foot, last)) >= SPACING_PX);
             if far && bend.iter().any(|x| x.abs() > 0.0) {
                 comb.teeth.push(vec![short(foot), short(tip)]);
                 last = Some(foot);
@@ -136,7 +138,7 @@ pub(super) fn tangents(
                 if curve.closed { ((i + n - 1) % n, (i + 1) % n) } else { (i.max(1) - 1, (i + 1).min(n - 1)) };
             let ends = [before, i, after].map(|k| easel.place(easel.lifted(curve, k)));
             let [Some(a), Some(p), Some(b)] = ends else { continue };
-            let size = distance(a, b);
+            let size = length(minus(b, a));
             if size > 0.0 {
                 let half = 0.5 * TANGENT_LENGTH * side_px / size;
                 let way = [half * (b[0] - a[0]), half * (b[1] - a[1])];
@@ -145,11 +147,6 @@ pub(super) fn tangents(
         }
     }
     Ok(found)
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-    (dx * dx + dy * dy).sqrt()
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "pixel coordinates need no more than the precision of f32")]

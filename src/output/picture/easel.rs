@@ -8,7 +8,8 @@ use crate::output::scene::{Curve, ROWS_PER_CHUNK};
 use crate::raster::{Camera, Projection, View};
 use crate::watch::Watch;
 
-/// Steps shorter than this are left out of a line, pixels.
+/// Steps shorter than this are left out of a line, pixels. Half of it writes longer lines that look alike; twice of it
+/// begins to show.
 const FINEST_PX: f64 = 0.25;
 /// Maximum number of points of a polyline, so that painting one takes bounded memory.
 pub(super) const MAX_POLYLINE_POINTS: usize = 4096;

@@ -36,14 +36,17 @@ const DEFAULT_LINE_ITEMS: &[&str] = &["silhouettes", "boundary", "creases", "iso
 /// 100 MB more; half of it refuses meshes that are still drawn in seconds.
 pub const MAX_LINE_TRIANGLES: u128 = 1 << 18;
 /// Maximum number of tested pairs of a line and a triangle, 5 ns each: ten seconds of one core. Meshes of
-/// [`MAX_LINE_TRIANGLES`] that are not a heap of sheets need a hundredth of it.
+/// [`MAX_LINE_TRIANGLES`] that are not a heap of sheets need a hundredth of it. Half of it refuses heaps after five
+/// seconds; twice of it after twenty.
 const MAX_TESTED_PAIRS: usize = 1 << 31;
 /// Bytes of memory per triangle: its corners, their places and order (60), its sides (48), its cells (40), and its
 /// share of lines and their pieces (150).
 const HIDDEN_TRIANGLE_BYTES: u128 = 300;
-/// Work per triangle in rows of a table, 100 ns each: finding lines and the triangles that hide them.
+/// Work per triangle in rows of a table, 100 ns each: finding lines and the triangles that hide them. Half or twice of
+/// it predicts half or twice the time.
 const TRIANGLE_ROWS: u128 = 30;
-/// Maximum number of pieces per line on average; usual meshes have less than one visible piece per line.
+/// Maximum number of pieces per line on average; usual meshes have less than one visible piece per line. Half of it
+/// refuses meshes that hide more than 4,096 parts of lines; twice of it books twice as many bytes.
 const MAX_PIECES_A_LINE: usize = 2;
 
 const OUTLINE_INK: Color = [15, 23, 42, 255];

@@ -15,18 +15,22 @@ use crate::watch::Watch;
 /// Minimum width and height of a picture that has a legend by default, pixels. In half of it the numbers would take a
 /// third of the picture; twice of it leaves thumbnails of usual size without a legend.
 const LEAST_LEGEND_PX: [u32; 2] = [320, 200];
-/// Width of the strip, in units of line width: room for the longest number and for the title of the bar.
+/// Width of the strip, in units of line width: room for the longest number and for the title of the bar. Half of it has
+/// no room for these; twice of it takes more of the picture for nothing.
 const STRIP_WIDTH: f32 = 132.0;
 /// Left end and width of the bar, in units of line width.
 const BAR_EXTENT: [f32; 2] = [8.0, 22.0];
-/// Distance of text from the edge of the picture, in units of line width.
+/// Distance of text from the edge of the picture, in units of line width. Half of it looks cut off; twice of it wastes
+/// the strip.
 const EDGE_DISTANCE: f32 = 3.0;
-/// Height of the bar as a share of the height of the picture.
+/// Height of the bar as a share of the height of the picture. A matter of taste: half of it has room for few numbers;
+/// twice of it does not fit.
 const BAR_HEIGHT: f32 = 0.62;
 /// Size of the font in units of line width, and its minimum in pixels, below which letters cannot be read.
 const FONT_SIZES: [f32; 2] = [15.0, 9.0];
 
-/// Margin around names, in sizes of the font.
+/// Margin around names, in sizes of the font. Half of it lets names touch the edge; twice of it takes more of the
+/// picture.
 const NAME_MARGIN: f32 = 0.6;
 
 /// Returns the width in pixels of the legend of a picture of a mesh with the attachments `carried`, or of what is left

@@ -8,7 +8,7 @@ use crate::output::color_maps::{COLOR_MAP, ColorMap};
 use crate::output::numbers::rounded;
 
 /// The range of numbers that colours cover.
-pub(crate) const RANGE: Parameter = Parameter::optional(
+pub(crate) const COLOR_RANGE: Parameter = Parameter::optional(
     "range",
     ParameterKind::Numbers { most: 2 },
     "The least and the greatest number that have a colour of their own, where colours are numbers; what is beyond \
@@ -53,7 +53,7 @@ impl NumberScale {
         usual: impl FnOnce([f64; 2]) -> [f64; 2],
     ) -> Self {
         let [least, greatest] = extent(numbers);
-        let [low, high] = match *options.numbers(RANGE.name) {
+        let [low, high] = match *options.numbers(COLOR_RANGE.name) {
             [low, high] => [low, high],
             _ => usual([least, greatest]),
         };
@@ -100,16 +100,16 @@ fn extent(numbers: &[f64]) -> [f64; 2] {
 
 /// Refuses a range, a map or a legend if colours are not numbers, and malformed ranges.
 pub(crate) fn check(options: &Values, are_numbers: bool) -> Result<(), Fault> {
-    for option in [RANGE.name, COLOR_MAP.name, COLOR_BAR.name] {
+    for option in [COLOR_RANGE.name, COLOR_MAP.name, COLOR_BAR.name] {
         if !are_numbers && *options.get(option) != Value::Absent {
             let detail = "colours are numbers under \"shading\" gaussian-curvature, mean-curvature and distance, and \
                           where \"color_by\" shows one component of a channel; leave it out";
             return Err(Fault::new(format!("/{option}"), detail));
         }
     }
-    match *options.numbers(RANGE.name) {
+    match *options.numbers(COLOR_RANGE.name) {
         [low, high] if low < high => Ok(()),
-        _ if *options.get(RANGE.name) == Value::Absent => Ok(()),
+        _ if *options.get(COLOR_RANGE.name) == Value::Absent => Ok(()),
         _ => Err(Fault::new("/range", "a range is two numbers, the least before the greatest: [-1, 1]")),
     }
 }

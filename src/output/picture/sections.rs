@@ -12,9 +12,11 @@ use crate::output::sections::{Plane, Polyline, section};
 use crate::raster::View;
 use crate::watch::Watch;
 
-/// Width of the lines, in units of line width.
+/// Width of the lines, in units of line width. A matter of taste: half of it is as thin as other lines; twice of it
+/// hides what is small.
 const SECTION_WIDTH: f32 = 2.2;
-/// Gap between two sections, as a share of the larger side of the largest section.
+/// Gap between two sections, as a share of the larger side of the largest section. Half of it makes neighbours look
+/// like one; twice of it makes all smaller.
 const SECTION_GAP: f64 = 0.1;
 
 /// Draws the sections, an item for each plane in their order.

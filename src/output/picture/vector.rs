@@ -23,7 +23,7 @@ use crate::output::surface::NORMALS;
 use crate::watch::Watch;
 
 /// How letters are written.
-const TEXT: Parameter = Parameter::choice(
+const LETTERS: Parameter = Parameter::choice(
     "text",
     &["text", "outlines"],
     "Whether letters are text, which can be searched and copied, or outlines, which look the same without the font.",
@@ -58,7 +58,7 @@ pub(crate) const VECTOR_OPTIONS: &[Parameter] = &[
     LEGEND,
     TEXT_SIZE,
     CAMERA,
-    TEXT,
+    LETTERS,
     SECTIONS,
     POSITIONS,
     CREASE_ANGLE,
@@ -180,5 +180,5 @@ pub(crate) fn draw(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<
 
 /// Returns how the letters of the drawing are written.
 pub(crate) fn lettering(values: &Values) -> Lettering {
-    if values.choice(TEXT.name) == Some("outlines") { Lettering::Outlines } else { Lettering::Text }
+    if values.choice(LETTERS.name) == Some("outlines") { Lettering::Outlines } else { Lettering::Text }
 }

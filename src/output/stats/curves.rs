@@ -2,13 +2,14 @@
 
 use serde_json::{Value, json};
 
+use crate::math::vector::minus;
 use crate::output::bounds::CoordinateBounds;
 use crate::output::error::FormatError;
 use crate::output::positions::unfit;
 use crate::output::scene::{Curve, ROWS_PER_CHUNK};
 use crate::watch::{Stopped, Watch};
 
-use super::entries::{add_moments, bounding_box, euler, seen_from};
+use super::entries::{add_moments, bounding_box, euler};
 use super::hashes::{HashedItem, PositionsHash, ShapeHash};
 use super::moments::Moments;
 
@@ -68,7 +69,7 @@ fn sums<const D: usize>(curves: &[Curve], origin: [f64; D], watch: &Watch) -> Re
                 watch.check()?;
             }
             sums.n_edges += 1;
-            let (a, b) = (seen_from(origin, a), seen_from(origin, b));
+            let (a, b) = (minus(*a, origin), minus(*b, origin));
             sums.moments.add_segment(a, b);
             if let ([ax, ay], [bx, by]) = (a.as_slice(), b.as_slice()) {
                 sums.area += (ax * by - ay * bx) / 2.0;

@@ -7,10 +7,6 @@ use serde_json::{Value, json};
 use super::moments::Moments;
 use crate::output::bounds::CoordinateBounds;
 
-pub(super) fn seen_from<const D: usize>(origin: [f64; D], point: &[f64; D]) -> [f64; D] {
-    std::array::from_fn(|k| point[k] - origin[k])
-}
-
 pub(super) fn add_moments<const D: usize>(found: &mut Value, of: &str, moments: &Moments<D>, origin: [f64; D]) {
     let centered = moments.centered();
     found["moments_of"] = json!(centered.map(|_| of));

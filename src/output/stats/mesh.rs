@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use crate::math::vector::minus;
 use crate::output::bounds::CoordinateBounds;
 use crate::output::error::FormatError;
 use crate::output::normals;
@@ -11,7 +12,7 @@ use crate::output::scene::{FaceChunk, MeshSource, in_chunks, triangles};
 use crate::watch::{Stopped, Watch};
 
 use super::connectivity::Connectivity;
-use super::entries::{add_moments, bounding_box, euler, histogram, seen_from};
+use super::entries::{add_moments, bounding_box, euler, histogram};
 use super::fairness;
 use super::hashes::{HashedItem, PositionsHash, ShapeHash};
 use super::moments::Moments;
@@ -102,7 +103,7 @@ impl MeshSums {
         for face in faces.iter() {
             sums.hash.add(HashedItem::Face, face.iter().map(|&v| rows[v as usize].as_slice()), &mut bytes);
             for triangle in triangles(face) {
-                let corners = triangle.map(|v| seen_from(origin, &rows[v as usize]));
+                let corners = triangle.map(|v| minus(rows[v as usize], origin));
                 sums.surface.add_triangle(&corners);
                 sums.solid.add_cone(&corners);
             }

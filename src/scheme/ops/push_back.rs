@@ -22,6 +22,11 @@ use crate::scheme::step_error::StepError;
 use crate::shape::tile::Tile;
 use crate::shape::topology::{NONE, Topology, index};
 
+/// Minimum absolute value of sin(alpha), by which shares of displacements are divided. The largest alpha that a preset
+/// takes, 1e6, is rounded by 6e-11, so that multiples of pi are recognised up to there. Half of it still recognises
+/// them; twice of it refuses angles up to 2e-9 from a multiple, where shares are half a thousand million.
+const LEAST_ALPHA_SINE: f64 = 1e-9;
+
 /// P, the push-back towards the anchor: `D_i = delta (P_i - V_i)`; `V += D_i`, `E += omega/2 (D_1 + D_2)`,
 /// `F += omega^2 / n sum D`.
 #[derive(Debug)]
@@ -93,7 +98,7 @@ impl Operator for PushBack {
     }
 
     fn at_alpha(&self, _: &mut LetterSettings, alpha: f64) -> Result<(), String> {
-        let pole = self.0 == DisplacementShare::Circular && alpha != 0.0 && sin(alpha).abs() < 1e-9;
+        let pole = self.0 == DisplacementShare::Circular && alpha != 0.0 && sin(alpha).abs() < LEAST_ALPHA_SINE;
         if pole { Err(format!("the circular push-back has a pole at alpha = {alpha}")) } else { Ok(()) }
     }
 

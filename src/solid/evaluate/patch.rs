@@ -173,7 +173,8 @@ impl BezierPatch {
 /// Maximum number of Newton steps, each of which doubles the correct digits. With half as many, some starts do not
 /// converge and pieces are quartered instead; twice as many find the same.
 const MAX_NEWTON_STEPS: usize = 12;
-/// Maximum number of halvings of a step that increases the distance.
+/// Maximum number of halvings of a step that increases the distance. Half of it gives up at an eighth of the step,
+/// where the model of the distance may still hold; twice of it tries steps that change little.
 const MAX_STEP_HALVINGS: usize = 8;
 
 /// Returns the step to the minimum of the quadratic model if it has one, else a descent step along each direction

@@ -72,11 +72,11 @@ fn work_that_waits_for_the_memory_of_its_lane_is_not_counted_as_refused() {
     story(Settings { threads: 4, ..settings() }, async |server| {
         let (pool, share) = (&server.app.desk.pool, &server.app.desk.account.long);
         let line_up = || pool.line_up(Lane::Long, Peer::SELF, share.capacity.into()).unwrap();
-        let first = pool.turn(Lane::Long, line_up()).await;
+        let first = pool.compute_place(Lane::Long, line_up()).await;
         let second = line_up();
         assert_eq!(pool.waiting(), [0, 1], "a place is free, but no memory");
         drop(first);
-        let second = pool.turn(Lane::Long, second).await;
+        let second = pool.compute_place(Lane::Long, second).await;
         assert_eq!((share.usage().taken, share.usage().refused), (share.capacity, 0));
         drop(second);
     });

@@ -286,9 +286,12 @@ fn check_job(name: &str, job: &str) {
     let (mut kept, length) = (None, job.len() as u64);
     let work = || read::<JobRequest>(job.as_bytes()).map(JobRequest::resolve);
     let taken = measure(|| kept = Some(work())).bytes_max;
-    let most = planish::wire::read::weight(length);
+    let most = planish::wire::read::reading_memory(length);
     // without the constant part of the bound, so that a list that takes too much is found in a short file
-    assert!(taken <= most - planish::wire::read::weight(0) + 4096, "{name}: {length} bytes take {taken}: {kept:?}");
+    assert!(
+        taken <= most - planish::wire::read::reading_memory(0) + 4096,
+        "{name}: {length} bytes take {taken}: {kept:?}"
+    );
 }
 
 #[test]

@@ -79,7 +79,7 @@ fn h2_peers_take_turns_however_many_jobs_one_has() {
             let waiting = pool.line_up(Lane::Short, peer(last), 0).unwrap();
             let (app, sender) = (server.app.clone(), sender.clone());
             tokio::spawn(async move {
-                let turn = app.desk.pool.turn(Lane::Short, waiting).await;
+                let turn = app.desk.pool.compute_place(Lane::Short, waiting).await;
                 sender.send(name).unwrap();
                 drop(turn);
             });

@@ -16,12 +16,12 @@ fn m2_a_long_job_that_waits_for_memory_does_not_hold_short_ones_up() {
     story(settings(), async |server| {
         let pool = &server.app.desk.pool;
         let all = u128::from(server.app.desk.account.long.capacity);
-        let held = pool.turn(Lane::Long, pool.line_up(Lane::Long, Peer::SELF, all).unwrap()).await;
+        let held = pool.compute_place(Lane::Long, pool.line_up(Lane::Long, Peer::SELF, all).unwrap()).await;
         let waiting = pool.line_up(Lane::Long, Peer::SELF, all).unwrap();
         assert_eq!(pool.waiting(), [0, 1]);
         server.render(&mesh(2)).await.ok();
         drop(held);
-        drop(pool.turn(Lane::Long, waiting).await);
+        drop(pool.compute_place(Lane::Long, waiting).await);
     });
 }
 

@@ -13,7 +13,7 @@ use planish::http::App;
 use planish::http::serve::{bind_at, serve};
 use planish::service::clock::{Clock, Monotonic};
 use planish::service::peer::Peer;
-use planish::service::pool::{Lane, Turn};
+use planish::service::pool::{ComputePlace, Lane};
 use serde_json::Value;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
@@ -199,7 +199,7 @@ impl Server {
     }
 
     /// Takes every place in both lanes: until they are dropped, nothing is computed.
-    pub(crate) async fn hold(&self) -> Vec<Turn> {
+    pub(crate) async fn hold(&self) -> Vec<ComputePlace> {
         let threads = self.app.settings.compute_threads();
         let mut turns = Vec::new();
         for (lane, places) in [(Lane::Short, threads), (Lane::Long, threads.div_ceil(2))] {
@@ -211,10 +211,10 @@ impl Server {
     }
 
     /// Takes a place in a lane.
-    pub(crate) async fn turn(&self, lane: Lane) -> Turn {
+    pub(crate) async fn turn(&self, lane: Lane) -> ComputePlace {
         let pool = &self.app.desk.pool;
         let waiting = pool.line_up(lane, Peer::SELF, 0).unwrap();
-        pool.turn(lane, waiting).await
+        pool.compute_place(lane, waiting).await
     }
 
     /// Polls a job until it is settled.

@@ -28,7 +28,8 @@ const STROKE_DIRECTIONS: [[f64; 2]; 2] = [[1.0, -1.0], [1.0, 1.0]];
 /// between two of these, and all others; first in one direction, then across it. About even steps between full light
 /// and the side turned away. Higher ones leave no paper, lower ones no ink.
 const STROKE_COSINES: [[f64; 3]; 2] = [[0.82, 0.60, 0.36], [0.12, -0.10, -0.40]];
-/// Minimum length of a stroke, in units of line width; shorter ones look like dust and are left out.
+/// Minimum length of a stroke, in units of line width; shorter ones look like dust and are left out. Half of it leaves
+/// dust; twice of it empties narrow shadows.
 const LEAST_STROKE_LENGTH: f64 = 2.0;
 /// Gaps between pieces of one line that are due to rounding, pixels. Half of it leaves gaps between triangles seen
 /// nearly edge-on; twice of it still cannot be seen.

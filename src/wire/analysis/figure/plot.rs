@@ -105,18 +105,18 @@ impl Plot {
         };
         let (mut x, mut y) = (axis(0), axis(1));
         let [a, b, c, d] = Axes::margins(&x, &y, size_px);
-        let frame = [left + a, top + b, width - a - c, height - b - d];
+        let border = [left + a, top + b, width - a - c, height - b - d];
         if self.one_scale {
-            let sides = [(&mut x, frame[2]), (&mut y, frame[3])].map(|(axis, px)| (axis, f64::from(px.max(1.0))));
+            let sides = [(&mut x, border[2]), (&mut y, border[3])].map(|(axis, px)| (axis, f64::from(px.max(1.0))));
             let unit = sides.iter().map(|(axis, px)| (axis.high - axis.low) / px).fold(0.0, f64::max);
             for (axis, px) in sides {
                 let more = 0.5 * (unit * px - (axis.high - axis.low));
                 (axis.low, axis.high) = (axis.low - more, axis.high + more);
             }
         }
-        let axes = Axes { frame, x, y, grid: true, size_px };
+        let axes = Axes { border, x, y, grid: true, size_px };
         let inside = self.marks.iter().flat_map(|marks| marks.items(&axes)).collect();
-        let group = Group { shift: [0.0, 0.0], scale: 1.0, clip: Some(frame), items: inside };
+        let group = Group { shift: [0.0, 0.0], scale: 1.0, clip: Some(border), items: inside };
         let plot = DrawingItem::new("plot", Drawn::Group(group));
         [axes.grid(), plot].into_iter().chain(axes.items()).collect()
     }
