@@ -19,7 +19,7 @@ use crate::wire::JobRequest;
 use crate::wire::answer::{FaultAnswer, MeshReport, ValidateAnswer};
 use crate::wire::examined::Examined;
 use crate::wire::query::refuse_parameters;
-use crate::wire::read::weight;
+use crate::wire::read::reading_memory;
 
 /// What is wrong with a job, and what its mesh is like: boundary loops, valences, degenerate faces, latitude lines.
 ///
@@ -49,7 +49,7 @@ pub(super) async fn validate(
             Err(Ok(faults)) => return Ok(axum::Json(report(Examined { faults, ..Examined::default() }))),
             Err(Err(problem)) => return Err(problem),
         };
-        let (limits, bytes) = (app.desk.limits.reading(), weight(sent.length()));
+        let (limits, bytes) = (app.desk.limits.reading(), reading_memory(sent.length()));
         let examined = app.desk.read(client.peer(), bytes, move |_| {
             let mut request = sent.request()?;
             let purpose = request.stated_purpose();

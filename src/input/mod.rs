@@ -31,4 +31,4 @@ pub use kind::{foreign, is_text};
 pub use likeness::{FileStart, Likeness};
 pub use reader::{CornerUvs, ReadLimits, ReadMesh, Reader, Vertices};
 pub use registry::READERS;
-pub use room::weight;
+pub use room::reading_memory;

@@ -16,9 +16,6 @@ const ROOM_BYTES_A_BYTE: u64 = 32;
 /// The peak capacity of a growing list as a multiple of its size: the old half while it is copied into the new whole.
 pub(super) const GROWN: usize = 3;
 
-/// The name under which `input` still passes [`reading_memory`] on.
-pub use self::reading_memory as weight;
-
 /// Returns an upper bound of the memory in bytes for reading a mesh file of `length` bytes, without the file itself.
 pub const fn reading_memory(length: u64) -> u64 {
     ROOM_BASE_BYTES.saturating_add(ROOM_BYTES_A_BYTE.saturating_mul(length))

@@ -138,12 +138,9 @@ fn pointer(path: &Path) -> String {
 /// buffer that unescapes it, and the file decoded from base64.
 const TEXT_COPIES_READ: u64 = 4;
 
-/// The name under which `http/validate` still asks for [`reading_memory`].
-pub use self::reading_memory as weight;
-
 /// Returns an upper bound of the memory in bytes that a request of `length` bytes takes until it is a checked job,
 /// without the body itself. A mesh file within the request takes what its reader may; lists in the body take less (27
 /// bytes per byte at worst, for polygons of one point).
 pub const fn reading_memory(length: u64) -> u64 {
-    crate::input::weight(length).saturating_add(TEXT_COPIES_READ.saturating_mul(length))
+    crate::input::reading_memory(length).saturating_add(TEXT_COPIES_READ.saturating_mul(length))
 }

@@ -32,7 +32,7 @@ fn joined(n: usize, text: impl Fn(usize) -> String) -> String {
 
 fn check(name: &str, format: &str, file: &[u8]) {
     let (taken, length) = (peak(format, file), file.len() as u64);
-    let most = input::weight(length);
+    let most = input::reading_memory(length);
     assert!(taken <= most, "{format}, {name}: {length} bytes take {taken}, {most} are allowed");
 }
 
