@@ -20,6 +20,9 @@ const WRITTEN_OUT: [i32; 2] = [6, 5];
 const MAX_TICK_DIGITS: u32 = 10;
 /// Digits of a number that stands alone, which are exact.
 const DIGITS_ALONE: u32 = 15;
+/// Share of a step by which an end of an axis may miss a tick, for rounding. Half and twice of it show the same ticks;
+/// a share that is seen would show ticks beyond the axis.
+const TICK_SLACK: f64 = 1e-9;
 
 /// The multiples of 1, 2 or 5 times a power of ten between two numbers: at most `most` of them, which is 2 or more,
 /// with the smallest such step, all written in one form. A range without extent, or one that is not finite, has none.
@@ -35,7 +38,7 @@ pub fn ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
     let within = |(digit, exponent): (i64, i32), digits: u32| {
         let step = number(digit, exponent);
         // the ends count where they are off by rounding alone
-        let slack = 1e-9 * step;
+        let slack = TICK_SLACK * step;
         let [first, last] = [((low - slack) / step).ceil(), ((high + slack) / step).floor()];
         #[expect(clippy::cast_precision_loss, reason = "a few ticks, and powers of ten that are exact")]
         let (few, longest) = (last - first < most as f64, 10_i64.pow(digits) as f64);

@@ -22,6 +22,10 @@ const TUBE_ANALYSIS_MS: u64 = 50;
 /// suffices for words of a few averages; twice of it would let half as many analyses run at once.
 const TUBE_ANALYSIS_BYTES: u64 = 64 << 20;
 
+/// Angles, radians, that differ by less are equal but for the rounding of their decimals, which is a thousandth of it.
+/// Half and twice of it accept the same decimals.
+const EQUAL_ANGLES_RAD: f64 = 1e-12;
+
 /// The tube that a client asks about.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TubeInput {
@@ -83,7 +87,7 @@ impl TubeAnalysis {
         let refused = |detail: String| vec![Fault::new("/plan", detail)];
         let theta = std::f64::consts::TAU * ratio_of(asked.turns, asked.vertices);
         let own = plan.latitude.as_ref().is_none_or(|latitude| latitude.own_alpha);
-        if !own && (plan.alpha - theta).abs() > 1e-12 {
+        if !own && (plan.alpha - theta).abs() > EQUAL_ANGLES_RAD {
             return Err(refused(format!("alpha is {}, a ring of the tube needs {theta}; leave it out", plan.alpha)));
         }
         let tube = StraightTube::of(&plan, theta).map_err(refused)?;

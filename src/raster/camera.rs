@@ -56,6 +56,18 @@ impl Default for View {
 /// half of it puts outlines at the edge, twice of it leaves a quarter of the picture empty. A change affects all
 /// pictures.
 const PICTURE_MARGIN: f64 = 0.06;
+/// Least radius of a scene as a share of its largest coordinate, so that a point far out is not magnified until its
+/// rounding shows. Half and twice of it draw scenes as small as that twice and half as large.
+const LEAST_RADIUS_SHARE: f64 = 1e-9;
+/// The squared sine of the angle between the line of sight and up, up to which they count as parallel: a millionth of
+/// a radian. Half and twice of it turn the picture at slightly other angles; far below, rounding would turn it.
+const UPWARD_SINE_SQUARED: f64 = 1e-12;
+/// Distance of the near plane as a share of the radius of the scene. Half of it halves the precision of depths; twice
+/// of it cuts more off what a camera within the scene sees.
+const NEAR_SHARE: f64 = 1e-4;
+/// Least extent of a scene across and along the line of sight as a share of its radius, for lines and points seen end
+/// on. Half and twice of it magnify such scenes twice and half as much.
+const LEAST_EXTENT_SHARE: f64 = 1e-3;
 
 /// A camera. Pixel coordinates have their origin in the upper left corner, with y downwards.
 #[derive(Debug, Clone, Copy)]
@@ -111,7 +123,7 @@ fn bounds(points: &[&[Vector]]) -> (Vector, f64) {
     let centre = [0, 1, 2].map(|i| 0.5 * low[i] + 0.5 * high[i]);
     let half = (0..3).map(|i| 0.5 * high[i] - 0.5 * low[i]).fold(0.0, f64::max);
     let largest = low.iter().chain(&high).fold(0.0, |m: f64, x| m.max(x.abs()));
-    let radius = half.max(1e-9 * largest);
+    let radius = half.max(LEAST_RADIUS_SHARE * largest);
     (centre, if radius > 1e-150 { radius.min(1e150) } else { 1.0 })
 }
 
@@ -142,7 +154,7 @@ fn aimed(view: &View, eye: Vector, target: Vector) -> [Vector; 3] {
     let sky = unit(view.up).unwrap_or([0.0, 1.0, 0.0]);
     let sideways = |up: Vector| {
         let right = cross(forward, up);
-        if dot(right, right) > 1e-12 { unit(right) } else { None }
+        if dot(right, right) > UPWARD_SINE_SQUARED { unit(right) } else { None }
     };
     let right = sideways(sky)
         .or_else(|| sideways([0.0, 0.0, 1.0]))
@@ -183,7 +195,7 @@ impl Camera {
             projection: view.projection,
             focal_px: 0.0,
             size_px,
-            near: radius * 1e-4,
+            near: radius * NEAR_SHARE,
             fall: [1.0, 0.0],
             radius,
         };
@@ -219,7 +231,7 @@ impl Camera {
             let to = minus(given, centre);
             [dot(to, self.right), dot(to, self.up)]
         });
-        let least = 1e-3 * self.radius;
+        let least = LEAST_EXTENT_SHARE * self.radius;
         let scale_x = half[0] / (right - x).max(left + x).max(least);
         let scale_y = half[1] / (top - y).max(bottom + y).max(least);
         self.focal_px = scale_x.min(scale_y);

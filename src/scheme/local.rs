@@ -141,9 +141,13 @@ impl LocalValues {
     }
 }
 
+/// Absolute value below which a sum of weights counts as 0, where weights are about 1. Half and twice of it refuse
+/// nearly the same kernels; far below it, points would be divided by what rounding leaves of a sum.
+pub const VANISHING_SUM: f64 = 1e-9;
+
 /// Returns whether an average exists with this kernel; its weights add up to a multiple of `1 + f`.
 pub fn has_average(kernel: f64) -> bool {
-    (1.0 + kernel).abs() >= 1e-9
+    (1.0 + kernel).abs() >= VANISHING_SUM
 }
 
 pub(super) fn finite<E: std::fmt::Display>(name: &str, i: usize, value: Result<f64, E>) -> Result<f64, StepError> {

@@ -11,6 +11,9 @@ use crate::shape::topology::{Topology, index};
 
 /// Maximum number of pairs of coincident vertices in a report.
 const MAX_REPORTED_PAIRS: usize = 1000;
+/// Area of a face, as a share of its squared extent, up to which it counts as flat: some thousand times what rounding
+/// leaves of it. Half and twice of it list nearly the same faces.
+const FLAT_AREA_SHARE: f64 = 1e-12;
 
 impl MeshReport {
     /// Creates the report on a mesh, with the fate of its latitude lines under a plan, or the reason why the plan does
@@ -88,7 +91,7 @@ fn degenerate(mesh: &Mesh) -> Vec<u32> {
             normal = plus(normal, cross(p, q));
             extent = extent.max(dot(p, p));
         }
-        0.5 * length(normal) <= 1e-12 * extent
+        0.5 * length(normal) <= FLAT_AREA_SHARE * extent
     };
     (0..mesh.topology.n_faces()).filter(is_flat).map(index).collect()
 }

@@ -36,6 +36,15 @@ const TRANSFORM_DENOMINATOR: f64 = 4096.0;
 /// fewer are made. Half of it compares two matrices by products of one factor less, which tell good coordinates from
 /// bad ones less surely; twice of it takes twice the time for one factor more.
 const TRIAL_WORDS: usize = 256;
+/// Share by which a trial stays below a threshold that a bound is to beat, so that rounding does not leave it above.
+/// Half and twice of it decide the same; a hundredth would be near the rounding of norms.
+const BELOW_THRESHOLD_SHARE: f64 = 1e-9;
+/// Least stretch of a coordinate that rows scarcely reach, as a share of the largest. Half and twice of it change bounds
+/// of such matrices only; none at all would divide by 0.
+const LEAST_STRETCH: f64 = 1e-6;
+/// The part of the identity in the ellipsoid, which keeps it from being flat. Half and twice of it give bounds that
+/// differ by less than the gaps attempted.
+const ROUND_SHARE: f64 = 1e-2;
 
 /// An upper bound of the joint spectral radius.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,7 +100,7 @@ pub(super) fn bound(
         return Ok(best);
     }
     let mut ladder: Vec<f64> = ATTEMPTED_GAPS.iter().map(|gap| lower.value * (1.0 + gap)).collect();
-    let decisive = thresholds.iter().map(|x| rounded(x) * (1.0 - 1e-9)).filter(|x| *x > lower.value);
+    let decisive = thresholds.iter().map(|x| rounded(x) * (1.0 - BELOW_THRESHOLD_SHARE)).filter(|x| *x > lower.value);
     ladder.extend(decisive);
     ladder.sort_by(|a, b| b.total_cmp(a));
     let families = families(matrices, lower.value);
@@ -151,7 +160,7 @@ fn scaled(matrices: &[ExactMatrix]) -> Vec<Vec<f64>> {
         if most == 0.0 {
             break;
         }
-        stretch = next.iter().zip(&stretch).map(|(x, s)| (x / most + s).max(1e-6) / 2.0).collect();
+        stretch = next.iter().zip(&stretch).map(|(x, s)| (x / most + s).max(LEAST_STRETCH) / 2.0).collect();
     }
     let stretch: Vec<BigInt> = stretch.iter().map(|&s| coarse(s, true)).collect();
     let entry = |p: usize, q: usize, x: &Exact| over(x.numer() * &stretch[q], x.denom() * &stretch[p]);
@@ -174,7 +183,7 @@ fn in_ellipsoid(matrices: &[ExactMatrix], lower: f64, n: usize) -> Option<Vec<Ve
     let share = 1.0 / (lower * lower * 1.02);
     let (mut half, mut whole) = (Vec::new(), Vec::new());
     for _ in 0..60 {
-        let mut next: Vec<f64> = (0..n * n).map(|k| 1e-2 * identity(k)).collect();
+        let mut next: Vec<f64> = (0..n * n).map(|k| ROUND_SHARE * identity(k)).collect();
         for t in &flat {
             let turned: Vec<f64> = (0..n * n).map(|k| t[(k % n) * n + k / n]).collect();
             multiply(&turned, &p, n, &mut half);

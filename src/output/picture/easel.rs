@@ -11,6 +11,9 @@ use crate::watch::Watch;
 /// Steps shorter than this are left out of a line, pixels. Half of it writes longer lines that look alike; twice of it
 /// begins to show.
 const FINEST_PX: f64 = 0.25;
+/// Share of the largest value up to which the range of values counts as rounding, and their graph as flat. Half and
+/// twice of it differ in graphs alone of which nothing but rounding is seen.
+const FLAT_SHARE: f64 = 1e-12;
 /// Maximum number of points of a polyline, so that painting one takes bounded memory.
 pub(super) const MAX_POLYLINE_POINTS: usize = 4096;
 
@@ -52,7 +55,7 @@ impl Easel {
             let values = || shown.iter().flat_map(|curve| curve.points.iter().copied());
             let [low, high] = given.map_or_else(|| ends(values()), |corners| [corners[0][1], corners[7][1]]);
             let half = 0.5 * high - 0.5 * low;
-            let flat = half <= 1e-12 * low.abs().max(high.abs());
+            let flat = half <= FLAT_SHARE * low.abs().max(high.abs());
             easel.graph = [0.5 * low + 0.5 * high, if flat { 1.0 } else { 0.5 / half }];
         }
         let planar = shown.iter().all(|curve| curve.dimension < 3);

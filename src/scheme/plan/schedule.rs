@@ -5,7 +5,7 @@ use crate::fault::Fault;
 use crate::math::expression::{Expression, ExpressionError};
 use crate::math::parameter::Value;
 use crate::scheme::letter::Letter;
-use crate::scheme::local::{MAX_COMPENSATION, has_average};
+use crate::scheme::local::{MAX_COMPENSATION, VANISHING_SUM, has_average};
 use crate::scheme::operator::Role;
 use crate::scheme::parameters::{ARITY, MU};
 use crate::shape::tile::Tile;
@@ -91,7 +91,7 @@ impl Plan {
             }
         }
         if letter.settings.tile() == Tile::Triangle
-            && self.triangle_sums(value, letter).iter().any(|sum| sum.abs() < 1e-9)
+            && self.triangle_sums(value, letter).iter().any(|sum| sum.abs() < VANISHING_SUM)
         {
             let detail = format!(
                 "the kernel is {value} at level {level} (alpha = {alpha}), where the weights of some triangle add up \

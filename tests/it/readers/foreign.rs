@@ -1,5 +1,6 @@
 //! Files without a mesh, or in another format than stated: each answer says what the file is.
 
+use planish::input;
 use serde_json::{Value, json};
 
 use super::gltf::square;
@@ -42,8 +43,40 @@ fn meshes_of_another_format_are_to_be_read_as_what_they_are() {
         "# a triangle, and enough of a comment that it might be a header of 80 bytes and more\nv 0 0 0\nf 1 1 1\n";
     assert_eq!(told("stl", obj.as_bytes()).1, "the file begins like obj, not like stl; read it as obj");
     assert_eq!(told("ply", b"OFF\n3 1 0\n").1, "the file begins like off, not like ply; read it as off");
+    let mut binary = [b"a part, as exported".as_slice(), &[b' '; 61], &1_u32.to_le_bytes(), &[0; 50]].concat();
+    assert_eq!(told("off", &binary).1, "the file begins like stl, not like off; read it as stl");
+    binary.truncate(100);
+    assert!(told("off", &binary).1.contains("OFF"), "cut, it is nothing that is known");
     // a file that is broken in its own format is reported as such
     assert!(told("ply", b"ply\nformat ascii 1.0\n").1.contains("the file ends within its header"));
+}
+
+#[test]
+fn every_format_but_gltf_in_json_is_known_by_its_first_bytes() {
+    let stl = [[b' '; 80].as_slice(), &0_u32.to_le_bytes()].concat();
+    let statements = b"\nv 0 0 0\nf 1 1 1\n";
+    let begun: [(&str, &[u8]); 9] = [
+        ("obj", b"# made by hand"),
+        ("ply", b"ply\nformat ascii 1.0\ncomment"),
+        ("stl", b"solid cube"),
+        ("off", b"STOFF"),
+        ("off", b"  COFF\n3 1 0"),
+        ("glb", b"glTF\x02\0\0\0"),
+        ("3mf", b"PK\x03\x04\x14\0 3D/3dmodel.model"),
+        ("usda", b"#usda 1.0"),
+        ("stl", &stl),
+    ];
+    for (name, start) in begun {
+        // statements of OBJ may follow in any text; the length of a binary STL tells what it is
+        let after: &[u8] = if start.len() == 84 { b"" } else { statements };
+        let found = input::of_bytes(&[start, after].concat()).map(|reader| reader.name);
+        assert_eq!(found, Some(name), "{}", String::from_utf8_lossy(start));
+    }
+    let readers = input::READERS.iter().map(|reader| reader.name);
+    assert!(readers.filter(|name| *name != "gltf").all(|name| begun.iter().any(|(known, _)| *known == name)));
+    for unknown in [&b""[..], b"{\"asset\":{}}", b"some words", b"PK\x03\x04\x14\0 [Content_Types].xml", b"OFFICE"] {
+        assert!(input::of_bytes(unknown).is_none(), "{}", String::from_utf8_lossy(unknown));
+    }
 }
 
 #[test]
