@@ -23,9 +23,9 @@ pub struct Reader {
     pub vertices: Vertices,
     /// Tells how far a file resembles those of the format, where requests do not name it.
     pub likeness: fn(&FileStart<'_>) -> Likeness,
-    /// Reads a file. The memory that it takes is bounded by the [`reading_memory`](super::room::reading_memory) of the length of the
-    /// bytes and of the files beside it, whatever counts they claim. Errors are sentences that name the fault by line
-    /// or byte.
+    /// Reads a file. The memory that it takes is bounded by the [`reading_memory`](super::room::reading_memory) of
+    /// the length of the bytes and of the files beside it, whatever counts they claim. Errors are sentences that name
+    /// the fault by line or byte.
     pub read: fn(&InputFile<'_>, &ReadLimits) -> Result<ReadMesh, Vec<String>>,
 }
 

@@ -11,8 +11,8 @@ use crate::shape::topology::Topology;
 /// Maximum number of rows per point and step: the difference from the anchor, the displacement, and the point itself.
 const MAX_ROWS_A_STEP: u128 = 3;
 /// Maximum number of entries per point and step of a mesh, apart from those that grow with squares of valences and face
-/// sizes. A ring of quads has 9, a regular vertex of triangles at most 13, a push-back with its three tables 2 + 4 + 2. Half of
-/// it would be exceeded by words over C and P; twice of it would refuse results half as large as the limits.
+/// sizes. A ring of quads has 9, a regular vertex of triangles at most 13, a push-back with its three tables 2 + 4 + 2.
+/// Half of it would be exceeded by words over C and P; twice of it would refuse results half as large as the limits.
 const MESH_ENTRIES: u128 = 16;
 /// Multiplicity of the square of a valence or face size in a step: for each of the edges around it a row over all of
 /// them, and once more with their opposite corners.

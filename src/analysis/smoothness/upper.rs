@@ -39,8 +39,8 @@ const TRIAL_WORDS: usize = 256;
 /// Share by which a trial stays below a threshold that a bound is to beat, so that rounding does not leave it above.
 /// Half and twice of it decide the same; a hundredth would be near the rounding of norms.
 const BELOW_THRESHOLD_SHARE: f64 = 1e-9;
-/// Least stretch of a coordinate that rows scarcely reach, as a share of the largest. Half and twice of it change bounds
-/// of such matrices only; none at all would divide by 0.
+/// Least stretch of a coordinate that rows scarcely reach, as a share of the largest. Half and twice of it change
+/// bounds of such matrices only; none at all would divide by 0.
 const LEAST_STRETCH: f64 = 1e-6;
 /// The part of the identity in the ellipsoid, which keeps it from being flat. Half and twice of it give bounds that
 /// differ by less than the gaps attempted.

@@ -18,8 +18,8 @@ const SECTION_WIDTH: f32 = 2.2;
 /// Gap between two sections, as a share of the larger side of the largest section. Half of it makes neighbours look
 /// like one; twice of it makes all smaller.
 const SECTION_GAP: f64 = 0.1;
-/// The squared sine of an angle up to which up counts as along the normal of a plane. Half and twice of it turn sections
-/// at slightly other angles; far below, rounding would turn them.
+/// The squared sine of an angle up to which up counts as along the normal of a plane. Half and twice of it turn
+/// sections at slightly other angles; far below, rounding would turn them.
 const PARALLEL_SINE_SQUARED: f64 = 1e-18;
 
 /// Draws the sections, an item for each plane in their order.
