@@ -37,7 +37,8 @@ pub enum DescriptionPlace {
     Lines(&'static str, usize),
 }
 
-/// Returns the size of bytes with a description, `bare` without one, for a format that has this place for it, if any.
+/// Returns the size of bytes with a description at `place`, given their size without it. Where formats have no place,
+/// nothing is added.
 pub fn size(place: Option<DescriptionPlace>, description: &str, bare: Size) -> Size {
     let Some(place) = place else { return bare };
     let added = place.written(description).len() as u128;

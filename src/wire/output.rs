@@ -149,7 +149,7 @@ pub(super) fn output(request: &OutputRequest, index: usize) -> Result<Output, Ve
             |fault: Fault| Fault { detail: fault.detail.replace("unknown parameter", "unknown option"), ..fault };
         faults.into_iter().map(known).collect::<Vec<_>>()
     })?;
-    if describes && !output::described().any(|name| name == format.name()) {
+    if describes && format.facts().description.is_none() {
         let can: Vec<&str> = output::described().collect();
         let detail = format!("{} has no place for a description; ask for {}", format.name(), can.join(", "));
         return Err(vec![Fault::new("/describe", detail)]);

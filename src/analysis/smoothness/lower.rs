@@ -39,7 +39,8 @@ const MAX_PROOFS: usize = 8;
 /// themselves.
 const LEAST_IMPROVEMENT: f64 = 1e-10;
 /// Shares by which candidates for a lower bound stay below a computed eigenvalue, tried in turn: from its rounding to
-/// that of defective matrices. Finer steps prove slightly larger bounds; the last is a tenth of the gaps that matter.
+/// that of defective matrices. The last is the smallest gap that upper bounds attempt: smaller ones alone would leave
+/// defective matrices without a bound, larger ones would prove less than can be told.
 const SHARES_BELOW: [f64; 5] = [1e-13, 1e-12, 1e-10, 1e-8, 1e-6];
 
 /// A lower bound of the joint spectral radius, `t^(1/l)`.

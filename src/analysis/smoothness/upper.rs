@@ -37,13 +37,13 @@ const TRANSFORM_DENOMINATOR: f64 = 4096.0;
 /// bad ones less surely; twice of it takes twice the time for one factor more.
 const TRIAL_WORDS: usize = 256;
 /// Share by which a trial stays below a threshold that a bound is to beat, so that rounding does not leave it above.
-/// Half and twice of it decide the same; a hundredth would be near the rounding of norms.
+/// Half of it is still millions of roundings; twice of it misses bounds that are between 1e-9 and 2e-9 below.
 const BELOW_THRESHOLD_SHARE: f64 = 1e-9;
 /// Least stretch of a coordinate that rows scarcely reach, as a share of the largest. Half and twice of it change
 /// bounds of such matrices only; none at all would divide by 0.
 const LEAST_STRETCH: f64 = 1e-6;
-/// The part of the identity in the ellipsoid, which keeps it from being flat. Half and twice of it give bounds that
-/// differ by less than the gaps attempted.
+/// The part of the identity in the ellipsoid, which keeps it from being flat. Half of it lets it become flatter, so
+/// that rounding counts more; twice of it keeps it farther from the one that the matrices leave invariant.
 const ROUND_SHARE: f64 = 1e-2;
 
 /// An upper bound of the joint spectral radius.

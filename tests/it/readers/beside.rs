@@ -33,6 +33,7 @@ fn prepared() -> Folder {
     let folder = Folder::new();
     fs::create_dir_all(folder.path().join("in/parts of it")).unwrap();
     fs::write(folder.path().join("in/parts of it/a b.bin"), numbers()).unwrap();
+    fs::write(folder.path().join("in/100%+1.bin"), numbers()).unwrap();
     fs::write(folder.path().join("outside.bin"), numbers()).unwrap();
     folder
 }
@@ -40,7 +41,14 @@ fn prepared() -> Folder {
 #[test]
 fn numbers_are_read_from_the_folder_of_the_model_and_below() {
     let folder = prepared();
-    for (i, uri) in ["parts%20of%20it/a%20b.bin", "./parts of it/a b.bin", "parts of it\\a b.bin"].iter().enumerate() {
+    let spellings = [
+        "parts%20of%20it/a%20b.bin",
+        "./parts of it/a b.bin",
+        "parts of it\\a b.bin",
+        // %+1 is no escape
+        "100%+1.bin",
+    ];
+    for (i, uri) in spellings.iter().enumerate() {
         let model = format!("{i}.gltf");
         fs::write(folder.path().join("in").join(&model), square_with(uri)).unwrap();
         let obj = rendered(&folder, &model).unwrap();
