@@ -129,7 +129,7 @@ impl QuadGrid {
             f += patch.len();
             if is_quad {
                 let first = self.base.half_edges(base_face).start;
-                let sides = [0, 1, 2, 3].map(|side| VertexLine::new(n, |i| self.on_side(first + side, i)));
+                let sides = [0, 1, 2, 3].map(|side| self.side(first + side));
                 quads(n, local, patch, lines_across(sides, self.first_inner() + self.inner[base_face] as usize));
             } else {
                 quads(n, local, patch, |j| VertexLine::new(n, |i| self.part_vertex(base_face, part, i, j)));
@@ -157,6 +157,18 @@ impl QuadGrid {
     /// Returns the first face of base face `f`.
     pub fn first_face(&self, f: usize) -> usize {
         self.faces_of(self.base.half_edges(f).start as usize)
+    }
+
+    /// Returns the vertices on the side that starts at `corner`.
+    fn side(&self, corner: u32) -> VertexLine {
+        let (n, ends) = (self.n, [corner, self.base.next(corner)].map(|corner| self.base.vertex(corner)));
+        let (edge, between) = (self.base.edge(corner) as usize, n - 1);
+        let first = index(self.base.n_vertices() + edge * between);
+        if self.base.halves(edge)[0] == corner {
+            VertexLine::between_ends(n, ends, first, 1)
+        } else {
+            VertexLine::between_ends(n, ends, first.wrapping_add(index(n)).wrapping_sub(2), 1_u32.wrapping_neg())
+        }
     }
 
     /// Returns point `at` (0 to n) on the side that starts at `corner`, counted from the corner.

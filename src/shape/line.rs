@@ -25,6 +25,12 @@ impl VertexLine {
         Self { n, first: vertex(0), last: vertex(n), second, step }
     }
 
+    /// Creates a line with `n` pieces from the indices of its two ends, of the vertex after the first, and from the
+    /// increment between consecutive inner vertices, modulo 2^32.
+    pub(super) fn between_ends(n: usize, [first, last]: [u32; 2], second: u32, step: u32) -> Self {
+        Self { n, first, last, second, step }
+    }
+
     /// Returns the line from its end to its start.
     fn reversed(&self) -> Self {
         let second = if self.n > 1 { self.between(self.n - 1) } else { 0 };
@@ -86,9 +92,8 @@ fn row_of_quads(lower: &VertexLine, upper: &VertexLine, from: usize, row: &mut [
         (from..to).zip(row).for_each(|(i, out)| *out = quad(i));
         return;
     }
-    let first = quad(between.start);
-    let steps = [lower.step, lower.step, upper.step, upper.step];
-    evenly_spaced(first, steps, &mut row[between.start - from..between.end - from]);
+    let out = &mut row[between.start - from..between.end - from];
+    evenly_spaced([lower, upper].map(|line| line.between(between.start)), [lower.step, upper.step], out);
     if from == 0 {
         row[0] = quad(0);
     }
@@ -97,19 +102,22 @@ fn row_of_quads(lower: &VertexLine, upper: &VertexLine, from: usize, row: &mut [
     }
 }
 
-/// Fills `out` with quads whose vertices are `steps` further from each quad to the next, starting at `first`.
+/// Fills `out` with quads between two lines of evenly spaced vertices, from the vertices `starts` on.
+///
+/// The arguments fit into registers. Wide registers that are loaded from two narrow stores have to wait until these, and
+/// with them all quads of the row before, have left the processor.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn evenly_spaced(first: [u32; 4], steps: [u32; 4], out: &mut [[u32; 4]]) {
-    let after = |n: u32| std::array::from_fn::<u32, 4, _>(|k| first[k].wrapping_add(steps[k].wrapping_mul(n)));
+fn evenly_spaced(starts: [u32; 2], steps: [u32; 2], out: &mut [[u32; 4]]) {
+    let vertex = |line: usize, i: u32| starts[line].wrapping_add(steps[line].wrapping_mul(i));
+    let quad = |i: u32| [vertex(0, i), vertex(0, i + 1), vertex(1, i + 1), vertex(1, i)];
     // four quads at a time, as many as the widest registers hold
-    let mut four = [after(0), after(1), after(2), after(3)];
+    let mut four = [quad(0), quad(1), quad(2), quad(3)];
+    let strides = [steps[0], steps[0], steps[1], steps[1]].map(|step| step.wrapping_mul(4));
     let (blocks, rest) = out.as_chunks_mut::<4>();
     for block in blocks {
         *block = four;
         for quad in &mut four {
-            for (vertex, step) in quad.iter_mut().zip(steps) {
-                *vertex = vertex.wrapping_add(step.wrapping_mul(4));
-            }
+            quad.iter_mut().zip(strides).for_each(|(vertex, stride)| *vertex = vertex.wrapping_add(stride));
         }
     }
     rest.iter_mut().zip(four).for_each(|(out, quad)| *out = quad);

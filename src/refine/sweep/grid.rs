@@ -174,11 +174,25 @@ pub(super) fn at_least(buffer: &mut Vec<f64>, len: usize) {
 }
 
 impl Planes {
-    /// Returns the point at a place of the refined grid.
-    pub(super) fn point<const W: usize>(&self, size: GridSize, place: [isize; 2]) -> [f64; W] {
-        let (plane, cell) = cell(place);
-        let at = size.at(cell);
-        std::array::from_fn(|c| self.now[plane][at + c])
+    /// Returns the points of a line on the refined grid, by the number of steps `along` it from the place `start`.
+    pub(super) fn line<const W: usize>(
+        &self,
+        size: GridSize,
+        start: [isize; 2],
+        along: [isize; 2],
+    ) -> impl Fn(usize) -> [f64; W] {
+        // every second point belongs to the same plane, in the next cell
+        let first = |place: [isize; 2]| {
+            let (plane, cell) = cell(place);
+            (&self.now[plane], size.at(cell))
+        };
+        let (even, odd) = (first(start), first([start[0] + along[0], start[1] + along[1]]));
+        let next = size.distance(along);
+        move |steps| {
+            let (plane, at) = if steps.is_multiple_of(2) { even } else { odd };
+            let at = at.wrapping_add_signed((steps / 2).cast_signed() * next);
+            std::array::from_fn(|c| plane[at + c])
+        }
     }
 
     /// Refines a stack of `grids` grids once. Afterwards the planes hold the vertices, the edge points along the first

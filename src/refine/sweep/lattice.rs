@@ -20,14 +20,17 @@ fn direction(tile: Tile, side: usize, turn: isize) -> [isize; 2] {
     }
 }
 
+/// The corners of a patch with one piece per side. Those of a triangle are the same but for the third.
+const CORNERS: [[isize; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
+
 /// Returns the place of a corner of a patch with `n` pieces per side.
 #[inline]
 pub(super) fn corner(tile: Tile, n: usize, corner: usize) -> [isize; 2] {
-    let n = n.cast_signed();
-    match tile {
-        Tile::Quad => [[0, 0], [n, 0], [n, n], [0, n]][corner],
-        Tile::Triangle => [[0, 0], [n, 0], [0, n]][corner],
-    }
+    let [i, j] = match tile {
+        Tile::Quad => CORNERS[corner],
+        Tile::Triangle => [CORNERS[0], CORNERS[1], CORNERS[3]][corner],
+    };
+    [n.cast_signed() * i, n.cast_signed() * j]
 }
 
 /// A local coordinate frame at a corner of a patch: the corner, and the two sides of a face there.

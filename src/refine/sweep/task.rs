@@ -8,6 +8,7 @@ use super::lattice::CornerFrame;
 use super::program::Sweep;
 use super::weave::GridRow;
 use crate::shape::tile::Tile;
+use crate::shape::topology::index;
 
 /// Approximate number of faces that one task refines: small enough that all threads finish together, large enough that
 /// few stars are refined twice. Half as many refine more stars twice; twice as many let threads wait longer.
@@ -94,12 +95,12 @@ impl<const W: usize> BlockReceiver<W> for PatchRun<'_, W> {
             let Some(range) = block.on_side(tile, side, cells) else { continue };
             let frame = CornerFrame::new(tile, n, side, 0);
             let place = |steps: usize| frame.place([steps.cast_signed(), 0]);
-            let vertex = |steps: usize| order.vertex(block.patch, place(steps));
-            let point = |steps: usize| planes.point(size, block.inside(place(steps)));
+            let vertex = |steps: usize| order.vertex(block.patch, place(steps)) as usize;
+            let point = planes.line(size, block.inside(frame.corner()), frame.along());
             let within = (*range.start()).max(1)..(*range.end() + 1).min(n);
             // the patch in which an edge appears first writes its points
             if !within.is_empty() && surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge {
-                let ends = [within.start, within.end - 1].map(|steps| vertex(steps) as usize);
+                let ends = [within.start, within.end - 1].map(vertex);
                 // on a column inside a base face, consecutive points are as far apart as a row of the face is long
                 let stride = (ends[0].abs_diff(ends[1]) / (within.len() - 1).max(1)).max(1);
                 let places = self.places(ends[0].min(ends[1]), stride * (within.len() - 1) + 1);
@@ -111,11 +112,11 @@ impl<const W: usize> BlockReceiver<W> for PatchRun<'_, W> {
                 }
             }
             if *range.start() == 0 {
-                let (v, corner) = (vertex(0), surface.patches.vertex(half_edge) as usize);
-                if (v as usize) >= surface.base.n_vertices() {
-                    self.places(v as usize, 1).into_iter().flatten().for_each(|place| *place = point(0));
+                let corner = surface.patches.vertex(half_edge) as usize;
+                if corner >= surface.base.n_vertices() {
+                    self.places(vertex(0), 1).into_iter().flatten().for_each(|place| *place = point(0));
                 } else if surface.patches.ring(corner).next() == Some(half_edge) {
-                    self.vertices.push((v, point(0)));
+                    self.vertices.push((index(corner), point(0)));
                 }
             }
         }

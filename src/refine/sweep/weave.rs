@@ -12,8 +12,8 @@ impl<'a, const W: usize> GridRow<'a, W> {
     pub(super) fn new(planes: &'a Planes, size: GridSize, row: usize) -> Self {
         let start = size.at([0, (row / 2).cast_signed()]);
         let range = start..start + (size.cells + 1) * W;
-        let [even, odd] = [0, 1].map(|odd| planes.now[odd + 2 * (row % 2)][range.clone()].as_chunks().0);
-        Self { even, odd }
+        let plane = |odd: usize| planes.now[odd + 2 * (row % 2)][range.clone()].as_chunks().0;
+        Self { even: plane(0), odd: plane(1) }
     }
 
     /// Copies the points from column `start` on to `out`.
@@ -34,7 +34,8 @@ fn interleave<const W: usize>(even: &[[f64; W]], odd: &[[f64; W]], skips: bool, 
     let (pairs, last) = out.as_chunks_mut::<2>();
     let n = pairs.len();
     for ((pair, even), odd) in pairs.iter_mut().zip(even).zip(odd) {
-        *pair = [*even, *odd];
+        pair[0] = *even;
+        pair[1] = *odd;
     }
     if let [last] = last {
         *last = even[n];
