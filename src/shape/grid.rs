@@ -132,7 +132,13 @@ impl QuadGrid {
                 let sides = [0, 1, 2, 3].map(|side| self.side(first + side));
                 quads(n, local, patch, lines_across(sides, self.first_inner() + self.inner[base_face] as usize));
             } else {
-                quads(n, local, patch, |j| VertexLine::new(n, |i| self.part_vertex(base_face, part, i, j)));
+                let sides = [0, 1, 2, 3].map(|side| {
+                    VertexLine::new(n, |at| {
+                        let [i, j] = Tile::Quad.along(n, side, at);
+                        self.part_vertex(base_face, part, i, j)
+                    })
+                });
+                quads(n, local, patch, lines_across(sides, self.first_inside_part(base_face, part) as usize));
             }
         }
     }
@@ -218,11 +224,15 @@ impl QuadGrid {
             (i, j) if i == half && j == half => self.inner_vertex(f, 0),
             (i, _) if i == half => self.inner_vertex(f, 1 + part * (half - 1) + j - 1),
             (_, j) if j == half => self.inner_vertex(f, 1 + before * (half - 1) + i - 1),
-            _ => {
-                let parts = 1 + size * (half - 1) + part * (half - 1) * (half - 1);
-                self.inner_vertex(f, parts + (j - 1) * (half - 1) + i - 1)
-            }
+            _ => self.first_inside_part(f, part) + index((j - 1) * (half - 1) + i - 1),
         }
+    }
+
+    /// Returns the first vertex inside the quad at a corner of a face that is not a quad, after its centre and spokes
+    /// and the insides of the quads before.
+    fn first_inside_part(&self, f: usize, part: usize) -> u32 {
+        let between = self.half() - 1;
+        self.inner_vertex(f, 1 + self.base.face(f).len() * between + part * between * between)
     }
 
     /// Returns the vertex at `[i, j]` of a patch, each from 0 to the pieces of its side. A patch is a base face if all

@@ -31,12 +31,6 @@ impl VertexLine {
         Self { n, first, last, second, step }
     }
 
-    /// Returns the line from its end to its start.
-    fn reversed(&self) -> Self {
-        let second = if self.n > 1 { self.between(self.n - 1) } else { 0 };
-        Self { first: self.last, last: self.first, second, step: self.step.wrapping_neg(), ..*self }
-    }
-
     /// Returns the index of vertex `i`.
     fn at(&self, i: usize) -> u32 {
         match i {
@@ -57,16 +51,14 @@ impl VertexLine {
 pub(super) fn lines_across(sides: [VertexLine; 4], inner: usize) -> impl Fn(usize) -> VertexLine {
     let [lower, right, upper, left] = sides;
     let n = lower.n;
-    move |j| match j {
-        0 => lower,
-        j if j == n => upper.reversed(),
-        j => VertexLine {
-            n,
-            first: left.at(n - j),
-            last: right.at(j),
-            second: index(inner + (j - 1) * (n - 1)),
-            step: 1,
-        },
+    move |j| {
+        let (second, step) = match j {
+            0 => (lower.second, lower.step),
+            j if j < n => (index(inner + (j - 1) * (n - 1)), 1),
+            // the upper side runs the other way; with one piece it has no inner vertex
+            _ => (upper.between(n.max(2) - 1), upper.step.wrapping_neg()),
+        };
+        VertexLine { n, first: left.at(n - j), last: right.at(j), second, step }
     }
 }
 
@@ -74,13 +66,12 @@ pub(super) fn lines_across(sides: [VertexLine; 4], inner: usize) -> impl Fn(usiz
 /// pieces. Each quad starts at the lower line and is counter-clockwise.
 pub(super) fn quads(n: usize, first: usize, mut out: &mut [[u32; 4]], line: impl Fn(usize) -> VertexLine) {
     let (mut j, mut from) = (first / n, first % n);
-    let mut lower = line(j);
     while !out.is_empty() {
-        let upper = line(j + 1);
         let row;
         (row, out) = out.split_at_mut((n - from).min(out.len()));
-        row_of_quads(&lower, &upper, from, row);
-        (lower, j, from) = (upper, j + 1, 0);
+        // a line is made again for the next row, since a copy would be a wide load from narrow stores
+        row_of_quads(&line(j), &line(j + 1), from, row);
+        (j, from) = (j + 1, 0);
     }
 }
 
@@ -104,8 +95,8 @@ fn row_of_quads(lower: &VertexLine, upper: &VertexLine, from: usize, row: &mut [
 
 /// Fills `out` with quads between two lines of evenly spaced vertices, from the vertices `starts` on.
 ///
-/// The arguments fit into registers. Wide registers that are loaded from two narrow stores have to wait until these, and
-/// with them all quads of the row before, have left the processor.
+/// The arguments fit into registers. A wide load from memory that narrow stores have just filled would wait until these,
+/// and with them all quads of the row before, have left the processor for its cache.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn evenly_spaced(starts: [u32; 2], steps: [u32; 2], out: &mut [[u32; 4]]) {
     let vertex = |line: usize, i: u32| starts[line].wrapping_add(steps[line].wrapping_mul(i));
