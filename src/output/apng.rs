@@ -1,7 +1,5 @@
 //! APNG: a moving picture, in which the camera goes around or a parameter of the plan changes.
 
-use std::io::Write;
-
 use super::counts::{Counts, ShapeKind};
 use super::description::DescriptionPlace;
 use super::error::FormatError;
@@ -13,11 +11,11 @@ use super::picture::outline::Outline;
 use super::png::Png;
 use super::scene::{CoordinateSystem, Scene};
 use super::size::Size;
+use super::stream::Stream;
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
-use crate::watch::Watch;
 
 /// The format "apng".
 #[derive(Debug, Clone, Copy)]
@@ -83,10 +81,11 @@ impl Format for Apng {
         film::parameter_range(values)
     }
 
-    fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, values: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let watch = stream.watch;
         let mut extent = FigureExtent::default();
         extent.add(scene, values, watch)?;
-        let mut film = Film::begin(values, out)?;
+        let mut film = Film::begin(values, stream.out)?;
         for shot in film::shots(values, &extent, scene.coordinate_system) {
             film.frame(scene, &shot, watch)?;
         }

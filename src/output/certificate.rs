@@ -1,7 +1,5 @@
 //! Certificates of solids: which parts are exact, which are bounded, and how.
 
-use std::io::Write;
-
 use serde_json::{Value, json};
 
 use crate::fault::Fault;
@@ -13,10 +11,10 @@ use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
 use crate::output::solid_options::{SOLID_OPTIONS, admits, forecast, solid_of, work};
+use crate::output::stream::Stream;
 use crate::scheme::plan::Plan;
 use crate::shape::mesh::Mesh;
 use crate::solid;
-use crate::watch::Watch;
 
 /// JSON with the properties of the solid that `step` writes with the same options. Lengths are in model units.
 ///
@@ -48,15 +46,9 @@ impl Format for CertificateFormat {
         FACTS
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
-        let solid = solid_of(scene, options, watch)?;
-        Ok(writeln!(out, "{}", report(&solid.certificate))?)
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let solid = solid_of(scene, options, stream.watch)?;
+        Ok(writeln!(stream.out, "{}", report(&solid.certificate))?)
     }
 }
 

@@ -10,6 +10,7 @@ use super::options::IDS;
 use super::picture::outline::Outline;
 use super::scene::{CoordinateSystem, Scene};
 use super::size::Size;
+use super::stream::Stream;
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
 use crate::scheme::plan::Plan;
@@ -156,8 +157,7 @@ pub trait Format: Requirements + Costs + fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// If the scene cannot be held after all, the writer fails, or the watch says stop.
-    fn write(&self, scene: &Scene<'_>, options: &Values, out: &mut dyn Write, watch: &Watch)
-    -> Result<(), FormatError>;
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError>;
 }
 
 /// The requirements of a format, checked before anything is computed, and what the format leaves out.
@@ -223,6 +223,20 @@ pub trait Costs {
 }
 
 impl dyn Format + '_ {
+    /// Writes the scene to `out`, as [`Format::encode`] does.
+    ///
+    /// # Errors
+    /// If the scene cannot be held after all, the writer fails, or the watch says stop.
+    pub fn write(
+        &self,
+        scene: &Scene<'_>,
+        options: &Values,
+        out: &mut dyn Write,
+        watch: &Watch,
+    ) -> Result<(), FormatError> {
+        self.encode(scene, options, &mut Stream::new(out, watch))
+    }
+
     /// Returns the name in requests.
     pub fn name(&self) -> &'static str {
         self.facts().name

@@ -6,7 +6,6 @@ mod row;
 mod sections;
 
 use std::borrow::Cow;
-use std::io::Write;
 
 use serde_json::Value;
 
@@ -27,7 +26,6 @@ use crate::output::size::Size;
 use crate::output::stream::Stream;
 use crate::output::surface::{NORMALS, with_normals};
 use crate::shape::attachments::Attachments;
-use crate::watch::Watch;
 use row::{faces, row, vectors};
 
 /// The option of discrete curvature.
@@ -88,32 +86,25 @@ impl Format for Json {
         FACTS
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
-        let mut stream = Stream::new(out, watch);
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         stream.bytes(b"{")?;
         match scene.shape {
             Shape::Mesh(_) if options.flag(CAGE) => {
                 let Some(mesh) = scene.control.mesh() else {
                     return Err(FormatError::Unfit("there is no control mesh; leave \"cage\" out".into()));
                 };
-                write_cage(ControlSource(mesh), options, &mut stream)?;
+                write_cage(ControlSource(mesh), options, stream)?;
             }
             Shape::Mesh(mesh) => {
-                write_mesh(mesh, &mut stream)?;
+                write_mesh(mesh, stream)?;
                 if with_normals(options) {
-                    write_normals(mesh, &mut stream, watch)?;
+                    write_normals(mesh, stream)?;
                 }
-                carried::write(mesh, options, &mut stream)?;
-                sections::write(mesh, options, &mut stream, watch)?;
+                carried::write(mesh, options, stream)?;
+                sections::write(mesh, options, stream)?;
             }
-            Shape::Curves([curve]) => write_curve(curve, options, &mut stream)?,
-            Shape::Curves(curves) => write_curves(curves, options, &mut stream)?,
+            Shape::Curves([curve]) => write_curve(curve, options, stream)?,
+            Shape::Curves(curves) => write_curves(curves, options, stream)?,
         }
         stream.bytes(&warnings(scene.warnings))?;
         stream.bytes(b"}")
@@ -252,9 +243,9 @@ fn write_cage(cage: ControlSource<'_>, options: &Values, stream: &mut Stream<'_>
     carried::write(&cage, options, stream)
 }
 
-fn write_normals(mesh: &dyn MeshSource, stream: &mut Stream<'_>, watch: &Watch) -> Result<(), FormatError> {
-    let positions = Positions::of_mesh(mesh).held(watch)?;
-    let normals = normals::of(mesh, positions.rows(), watch)?;
+fn write_normals(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    let positions = Positions::of_mesh(mesh).held(stream.watch)?;
+    let normals = normals::of(mesh, positions.rows(), stream.watch)?;
     drop(positions);
     stream.bytes(br#","normals":["#)?;
     stream.rows(&normals, vectors)?;

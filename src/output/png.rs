@@ -27,6 +27,7 @@ use crate::output::picture::styles::STYLES;
 use crate::output::picture::{self, forecast, lines, look, meanings, mesh};
 use crate::output::scene::{CoordinateSystem, Scene, Shape};
 use crate::output::size::Size;
+use crate::output::stream::Stream;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stage, Watch};
@@ -142,13 +143,13 @@ impl Format for Png {
         Some(outline::side_px(outline, &Options::new(options, coordinate_system)))
     }
 
-    fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, values: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         let options = Options::new(values, scene.coordinate_system);
-        let pixels = pixels(scene, values, watch)?;
-        watch.check()?;
-        watch.enter(Stage::Encode);
+        let pixels = pixels(scene, values, stream.watch)?;
+        stream.watch.check()?;
+        stream.watch.enter(Stage::Encode);
         // an opaque background leaves no pixel transparent
-        encode(pixels, options.size, (options.background[3] == 255, options.dpi()), out)
+        encode(pixels, options.size, (options.background[3] == 255, options.dpi()), stream.out)
     }
 }
 

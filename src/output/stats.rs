@@ -8,8 +8,6 @@ mod hashes;
 mod mesh;
 mod moments;
 
-use std::io::Write;
-
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
 use crate::output::certificate;
@@ -21,11 +19,11 @@ use crate::output::options::POSITIONS;
 use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
 use crate::output::solid_options::{admits, forecast, solid_of, work};
+use crate::output::stream::Stream;
 use crate::output::surface::{NORMALS, with_normals};
 use crate::scheme::plan::Plan;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
-use crate::watch::Watch;
 
 /// JSON with counts, bounding box, measures and hashes.
 ///
@@ -74,13 +72,8 @@ impl Format for Stats {
         FACTS
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let watch = stream.watch;
         let mut found = match scene.shape {
             Shape::Mesh(mesh) => mesh::report(mesh, [with_normals(options), options.flag(CURVATURE.name)], watch)?,
             Shape::Curves(curves) => match curves.first().map_or(1, |curve| curve.dimension) {
@@ -93,7 +86,7 @@ impl Format for Stats {
         if options.flag(CERTIFICATE.name) {
             found["certificate"] = certificate::report(&solid_of(scene, options, watch)?.certificate);
         }
-        Ok(writeln!(out, "{found}")?)
+        Ok(writeln!(stream.out, "{found}")?)
     }
 }
 

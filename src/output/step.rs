@@ -5,8 +5,6 @@ mod looks;
 mod product;
 mod shape;
 
-use std::io::Write;
-
 use self::entities::Entities;
 use crate::fault::Fault;
 use crate::math::parameter::Values;
@@ -18,10 +16,10 @@ use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
 use crate::output::solid_options::{SOLID_OPTIONS, admits, forecast, solid_of, work};
+use crate::output::stream::Stream;
 use crate::scheme::plan::Plan;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
-use crate::watch::Watch;
 
 /// ISO 10303-21 with the schema of AP242: exact bicubic B-spline faces, and caps within a tolerance.
 #[derive(Debug)]
@@ -45,16 +43,11 @@ impl Format for StepFormat {
         FACTS
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let watch = stream.watch;
         let solid = solid_of(scene, options, watch)?;
         scene.notes.add(solid.certificate.summary());
-        let mut out = Entities::new(out);
+        let mut out = Entities::new(stream.out);
         out.line("ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');")?;
         out.line("FILE_NAME('','',(''),(''),'planish','planish','');")?;
         out.line(&format!("FILE_SCHEMA(('{}'));\nENDSEC;\nDATA;", product::SCHEMA))?;

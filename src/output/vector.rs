@@ -1,7 +1,5 @@
 //! SVG and PDF: one drawing of curves, of a mesh or of its sections, as paths or as a page.
 
-use std::io::Write;
-
 use crate::drawing::{pdf, svg};
 use crate::fault::Fault;
 use crate::math::parameter::Values;
@@ -14,9 +12,9 @@ use crate::output::picture::outline::{self, Outline};
 use crate::output::picture::vector;
 use crate::output::scene::{CoordinateSystem, Scene};
 use crate::output::size::Size;
+use crate::output::stream::Stream;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
-use crate::watch::Watch;
 
 /// A format of drawings; these formats differ only in how a drawing is written.
 #[derive(Debug, Clone, Copy)]
@@ -64,7 +62,8 @@ impl Format for VectorFormat {
         Some(outline::side_px(outline, &Options::new(options, coordinate_system)))
     }
 
-    fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, values: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let Stream { out, watch, .. } = stream;
         let (drawing, lettering) = (vector::draw(scene, values, watch)?, vector::lettering(values));
         if self.facts.paper == Some(Paper::Pdf) {
             pdf(&drawing, lettering, out, watch)?;
