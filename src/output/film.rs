@@ -24,32 +24,27 @@ pub(super) const FRAMES: Parameter =
     Parameter::integer("frames", [2, MAX_FILM_FRAMES], 24.0, "How many frames there are.");
 
 /// The duration of a frame.
-pub(super) const DELAY: Parameter = Parameter {
-    name: "delay_ms",
-    kind: ParameterKind::Integer { min: 10, max: 10_000 },
-    unit: "milliseconds",
-    default: Default::Number(80.0),
-    doc: "How long each frame is seen. The picture begins again after the last one.",
-};
+pub(super) const DELAY: Parameter = Parameter::integer(
+    "delay_ms",
+    [10, 10_000],
+    80.0,
+    "How long each frame is seen. The picture begins again after the last one.",
+)
+.in_unit("milliseconds");
 
 /// The path of the camera.
 pub(super) const TURNTABLE: Parameter = Parameter::optional(
     "turntable",
     ParameterKind::Group(&[
-        Parameter {
-            name: "from_deg",
-            kind: ParameterKind::Number { min: -3600.0, max: 3600.0 },
-            unit: "degrees",
-            default: Default::Number(0.0),
-            doc: "The azimuth of the first frame.",
-        },
-        Parameter {
-            name: "to_deg",
-            kind: ParameterKind::Number { min: -3600.0, max: 3600.0 },
-            unit: "degrees",
-            default: Default::Number(360.0),
-            doc: "The azimuth of the last frame, or, after whole turns, of the frame that would follow it.",
-        },
+        Parameter::number("from_deg", TURNS_DEG, Default::Number(0.0), "The azimuth of the first frame.")
+            .in_unit("degrees"),
+        Parameter::number(
+            "to_deg",
+            TURNS_DEG,
+            Default::Number(360.0),
+            "The azimuth of the last frame, or, after whole turns, of the frame that would follow it.",
+        )
+        .in_unit("degrees"),
     ]),
     "The camera goes around the up axis, in place of its azimuth. Left out, once around unless there is a \
      `sweep`.",
@@ -59,19 +54,18 @@ pub(super) const TURNTABLE: Parameter = Parameter::optional(
 pub(super) const SWEPT_RANGE: Parameter = Parameter::optional(
     "sweep",
     ParameterKind::Group(&[
-        Parameter {
-            name: "pointer",
-            kind: ParameterKind::Name,
-            unit: "",
-            default: Default::Required,
-            doc: "The place of the parameter in the job, such as /plan/parameters/delta.",
-        },
+        Parameter::required(
+            "pointer",
+            ParameterKind::Name,
+            "The place of the parameter in the job, such as /plan/parameters/delta.",
+        ),
         Parameter::number("from", ANY_NUMBER, Default::Required, "Its value in the first frame."),
         Parameter::number("to", ANY_NUMBER, Default::Required, "Its value in the last frame."),
     ]),
     "A parameter of the plan that goes evenly from one value to another; all frames have one camera.",
 );
 
+const TURNS_DEG: [f64; 2] = [-3600.0, 3600.0];
 const ANY_NUMBER: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// Returns the number of frames.

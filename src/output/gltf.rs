@@ -17,6 +17,7 @@ use crate::output::gltf_levels::{self, LOD};
 use crate::output::gltf_pack::Packed;
 use crate::output::gltf_packing::{self, Packing};
 use crate::output::numbers::total;
+use crate::output::options::joined;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
 use crate::output::stream::{Stream, holds_space};
@@ -30,15 +31,7 @@ const URI: &str = "data:application/octet-stream;base64,";
 pub(super) struct Gltf;
 
 /// The options of both containers, and the one for levels of detail in several files.
-const ALL_PARAMETERS: &[Parameter] = &{
-    let mut all = [LOD; GLTF_OPTIONS.len() + 1];
-    let mut i = 0;
-    while i < GLTF_OPTIONS.len() {
-        all[i] = GLTF_OPTIONS[i];
-        i += 1;
-    }
-    all
-};
+const ALL_PARAMETERS: [Parameter; GLTF_OPTIONS.len() + 1] = joined(GLTF_OPTIONS, &[LOD]);
 
 const FACTS: &FormatFacts = &FormatFacts {
     name: "gltf",
@@ -46,7 +39,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     media_type: "model/gltf+json",
     content: Content::Json,
     doc: "Self-contained glTF 2.0 in JSON: as glb, with the numbers as base64",
-    parameters: ALL_PARAMETERS,
+    parameters: &ALL_PARAMETERS,
     description: Some(DescriptionPlace::Gltf),
     holds_frames: true,
     holds: |kind, _| holds_space("gltf", kind),

@@ -7,21 +7,21 @@ use super::normals;
 use super::positions::Positions;
 use super::scene::{FaceChunk, MeshSource, Shape, in_chunks};
 use crate::math::functions::sin;
-use crate::math::parameter::{Default, Parameter, ParameterKind, Value, Values};
+use crate::math::parameter::{Default, Parameter, Value, Values};
 use crate::math::vector::{dot, unit};
 use crate::output::counts::Counts;
 use crate::watch::{Stopped, Watch};
 
 /// The angle from which edges are hard.
-pub(super) const CREASE_ANGLE: Parameter = Parameter {
-    name: "crease_angle",
-    kind: ParameterKind::Number { min: 0.0, max: LARGEST_ANGLE },
-    unit: "degrees",
-    default: Default::Absent,
-    doc: "Edges of a mesh whose faces meet at more than this angle look hard: normals differ on their two sides. 180 \
-          leaves that to sharp edges alone. Left out, 180 where the plan makes a smooth surface, and 30 where it does \
-          not, as at level 0.",
-};
+pub(super) const CREASE_ANGLE: Parameter = Parameter::number(
+    "crease_angle",
+    [0.0, LARGEST_ANGLE],
+    Default::Absent,
+    "Edges of a mesh whose faces meet at more than this angle look hard: normals differ on their two sides. 180 \
+     leaves that to sharp edges alone. Left out, 180 where the plan makes a smooth surface, and 30 where it does \
+     not, as at level 0.",
+)
+.in_unit("degrees");
 
 /// The largest angle at which faces meet, degrees.
 const LARGEST_ANGLE: f64 = 180.0;

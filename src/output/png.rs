@@ -13,7 +13,7 @@ use crate::output::description::DescriptionPlace;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Paper, Requirements};
 use crate::output::hard_edges::{self, CREASE_ANGLE};
-use crate::output::options::POSITIONS;
+use crate::output::options::{POSITIONS, joined};
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY, COMPONENT};
 use crate::output::picture::number_scale::{self, COLOR_BAR, COLOR_RANGE};
 use crate::output::picture::options::{
@@ -28,6 +28,7 @@ use crate::output::picture::{self, forecast, lines, look, meanings, mesh};
 use crate::output::scene::{CoordinateSystem, Scene, Shape};
 use crate::output::size::Size;
 use crate::output::stream::Stream;
+use crate::output::surface::NORMALS;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stage, Watch};
@@ -48,6 +49,10 @@ const GROUND_BYTES: u128 = 12;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Png;
 
+/// All items that pictures can show.
+const ITEMS: [&str; 17] =
+    joined(&lines::SURFACE_ITEMS, &["curve", "vertices", "comb", "tangents", "axes", "grid", "legend"]);
+
 /// The options of the picture.
 pub(super) const PNG_OPTIONS: &[Parameter] = &[
     WIDTH,
@@ -57,25 +62,7 @@ pub(super) const PNG_OPTIONS: &[Parameter] = &[
     BACKGROUND,
     Parameter::optional(
         "show",
-        ParameterKind::Choices(&[
-            "surface",
-            "wireframe",
-            "isolines",
-            "control",
-            "points",
-            "creases",
-            "latitude",
-            "longitude",
-            "seams",
-            "extraordinary",
-            "curve",
-            "vertices",
-            "comb",
-            "tangents",
-            "axes",
-            "grid",
-            "legend",
-        ]),
+        ParameterKind::Choices(&ITEMS),
         "What is drawn: of a mesh its surface, its wireframe, the edges of the input on it (isolines), the \
          control net and its points, and what is tagged of the input as coloured lines and dots: creases (red), \
          latitude (green) and longitude lines (purple), seams of texture coordinates (orange), extraordinary \
@@ -90,12 +77,10 @@ pub(super) const PNG_OPTIONS: &[Parameter] = &[
     GROUNDING,
     POSITIONS,
     Parameter {
-        name: "normals",
-        kind: ParameterKind::Choice(&["none", "area", "limit"]),
-        unit: "",
         default: Default::Text("area"),
         doc: "What a smooth surface is lit by: normals weighted by the area of the faces around a vertex, those of \
               the limit surface, or none but those of its faces, as with flat shading.",
+        ..NORMALS
     },
     CREASE_ANGLE,
     COLOR,
@@ -156,7 +141,7 @@ impl Format for Png {
 impl Requirements for Png {
     fn suits(&self, kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
         let fitting: &[&str] = match kind {
-            ShapeKind::Mesh => lines::SHOWN,
+            ShapeKind::Mesh => &lines::SHOWN,
             ShapeKind::Curves { .. } => picture::drawing::CURVE_ITEMS,
         };
         shading::check(kind, options)?;

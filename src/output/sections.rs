@@ -4,7 +4,7 @@ mod chain;
 
 use rayon::prelude::*;
 
-use crate::math::parameter::{Default, Parameter, ParameterKind, Values};
+use crate::math::parameter::{Parameter, ParameterKind, Values};
 use crate::output::scene::{FaceChunk, MeshSource, in_chunks};
 use crate::shape::topology::{NONE, index};
 use crate::watch::{Stopped, Watch};
@@ -23,20 +23,12 @@ pub(super) const SECTIONS: Parameter = Parameter::optional(
 );
 
 const PLANE: &[Parameter] = &[
-    Parameter {
-        name: "point",
-        kind: ParameterKind::Vector,
-        unit: "model units",
-        default: Default::Required,
-        doc: "A point of the plane.",
-    },
-    Parameter {
-        name: "normal",
-        kind: ParameterKind::Direction,
-        unit: "",
-        default: Default::Required,
-        doc: "The direction across the plane; its length does not count.",
-    },
+    Parameter::required("point", ParameterKind::Vector, "A point of the plane.").in_unit("model units"),
+    Parameter::required(
+        "normal",
+        ParameterKind::Direction,
+        "The direction across the plane; its length does not count.",
+    ),
 ];
 
 /// A plane.

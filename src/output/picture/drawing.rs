@@ -2,7 +2,7 @@
 
 use super::comb::{combs, tangents};
 use super::easel::Easel;
-use super::options::{COMB_SCALE, FILL, Options};
+use super::options::{COMB_SCALE, CONTROL_COLOR, FILL, Options, POINT_COLOR};
 use super::plot::{PlotArea, PlotItems};
 use super::styles::{Style, styles};
 use crate::drawing::{Color, Discs, Drawing, DrawingItem, FontWeight, Label, LegendSample, Mark, Point, Stroke};
@@ -57,7 +57,7 @@ pub(crate) fn drawing(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -
         artist.points(curves, 3.1, 0.8, options.color(CURVE_INK), "vertices", &mut plot)?;
     }
     if shows("points") {
-        artist.points(control, 5.2, 1.5, options.point_color(POINT_INK), "points", &mut plot)?;
+        artist.points(control, 5.2, 1.5, options.ink(&POINT_COLOR, POINT_INK), "points", &mut plot)?;
     }
     Ok(sheet.finish(plot, options))
 }
@@ -79,7 +79,7 @@ impl Artist<'_> {
 
     fn control(&self, control: &[Curve], plot: &mut PlotItems) -> Result<(), FormatError> {
         let runs = self.easel.runs(control, self.watch)?;
-        let stroke = self.stroke(1.5, self.options.control_color(POLYGON_INK));
+        let stroke = self.stroke(1.5, self.options.ink(&CONTROL_COLOR, POLYGON_INK));
         plot.line(DrawingItem::lines("control", runs, stroke).titled("control polygon"), "control polygon")
     }
 
