@@ -2,7 +2,6 @@
 
 use serde_json::{Value, json};
 
-use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
@@ -10,10 +9,8 @@ use crate::output::format::{Content, Costs, Format, FormatFacts, MadeOf, Require
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
-use crate::output::solid_options::{SOLID_OPTIONS, admits, forecast, solid_of, work};
+use crate::output::solid_options::{SOLID_OPTIONS, forecast, solid_of};
 use crate::output::stream::Stream;
-use crate::scheme::plan::Plan;
-use crate::shape::mesh::Mesh;
 use crate::solid;
 
 /// JSON with the properties of the solid that `step` writes with the same options. Lengths are in model units.
@@ -53,26 +50,14 @@ impl Format for CertificateFormat {
 }
 
 impl Requirements for CertificateFormat {
-    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
-        admits(mesh, plan, options)
+    fn makes_solid(&self, _options: &Values) -> bool {
+        true
     }
 }
 
 impl Costs for CertificateFormat {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         Size::AtMost(length(counts, options))
-    }
-
-    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        forecast(counts, options).bytes()
-    }
-
-    fn work(&self, mesh: Option<&Mesh>, _counts: &Counts, options: &Values) -> u128 {
-        work(mesh, options)
-    }
-
-    fn makes_solid(&self, _options: &Values) -> bool {
-        true
     }
 }
 

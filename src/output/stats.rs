@@ -18,10 +18,9 @@ use crate::output::numbers::total;
 use crate::output::options::POSITIONS;
 use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
-use crate::output::solid_options::{admits, forecast, solid_of, work};
+use crate::output::solid_options::{forecast, solid_of, work};
 use crate::output::stream::Stream;
 use crate::output::surface::{NORMALS, with_normals};
-use crate::scheme::plan::Plan;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 
@@ -63,7 +62,6 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Json,
     doc: "Statistics in JSON: counts, bounding box, measures, moments, valences, hashes",
     parameters: &[POSITIONS, NORMALS, CURVATURE, CERTIFICATE],
-    holds: |_, _| Ok(()),
     ..FormatFacts::USUAL
 };
 
@@ -101,8 +99,8 @@ impl Requirements for Stats {
         Ok(())
     }
 
-    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
-        if options.flag(CERTIFICATE.name) { admits(mesh, plan, options) } else { Ok(()) }
+    fn makes_solid(&self, options: &Values) -> bool {
+        options.flag(CERTIFICATE.name)
     }
 }
 
@@ -124,10 +122,6 @@ impl Costs for Stats {
             vertices.saturating_mul(of_vertex).saturating_add(counts.half_edges.saturating_mul(of_corner));
         let solid = if options.flag(CERTIFICATE.name) { forecast(counts, options).bytes() } else { 0 };
         if options.flag(CURVATURE.name) { curvature_bytes.saturating_add(solid) } else { solid }
-    }
-
-    fn makes_solid(&self, options: &Values) -> bool {
-        options.flag(CERTIFICATE.name)
     }
 
     /// Counts for curvature three sums over the faces and the sorting of the edges, 150 ns per half-edge.

@@ -6,7 +6,6 @@ mod product;
 mod shape;
 
 use self::entities::Entities;
-use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
@@ -15,11 +14,9 @@ use crate::output::left_out::{Datum, left_out};
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
-use crate::output::solid_options::{SOLID_OPTIONS, admits, forecast, solid_of, work};
+use crate::output::solid_options::{SOLID_OPTIONS, forecast, solid_of};
 use crate::output::stream::Stream;
-use crate::scheme::plan::Plan;
 use crate::shape::attachments::Attachments;
-use crate::shape::mesh::Mesh;
 
 /// ISO 10303-21 with the schema of AP242: exact bicubic B-spline faces, and caps within a tolerance.
 #[derive(Debug)]
@@ -77,8 +74,8 @@ impl Requirements for StepFormat {
         left_out("step", "glb", carried, &kinds)
     }
 
-    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
-        admits(mesh, plan, options)
+    fn makes_solid(&self, _options: &Values) -> bool {
+        true
     }
 }
 
@@ -90,17 +87,5 @@ impl Costs for StepFormat {
         let forecast = forecast(counts, options);
         let labels = total(&[(counts.attachments.groups.names.len() as u128, 128), (forecast.faces, 200)]);
         Size::AtMost(total(&[(forecast.leaves, 1_000), (forecast.faces, 9_000), (1, 8_192 + labels)]))
-    }
-
-    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        forecast(counts, options).bytes()
-    }
-
-    fn work(&self, mesh: Option<&Mesh>, _counts: &Counts, options: &Values) -> u128 {
-        work(mesh, options)
-    }
-
-    fn makes_solid(&self, _options: &Values) -> bool {
-        true
     }
 }
