@@ -78,3 +78,9 @@ pub(super) fn vertex_index(vertex: u64, n: usize) -> Result<u32, String> {
     let found = u32::try_from(vertex).ok().filter(|&v| (v as usize) < n);
     found.ok_or_else(|| format!("there is no vertex {vertex}; the file has {n}, counted from 0"))
 }
+
+/// Converts a non-negative whole number below 2^32, as all indices are.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and below 2^32")]
+pub(super) fn whole(x: f64) -> Option<u32> {
+    (x >= 0.0 && x <= f64::from(u32::MAX) && x.fract() == 0.0).then_some(x as u32)
+}

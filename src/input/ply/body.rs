@@ -1,6 +1,7 @@
 //! Readers of the values in the body of a PLY file, as text or binary.
 
 use super::header::{Element, PlyProperty, Scalar};
+use crate::input::collect::whole;
 use crate::input::text::{Words, at_line, count, quoted};
 
 /// A source of the values of a PLY body in file order.
@@ -164,14 +165,10 @@ impl Body for Binary<'_> {
         })
     }
 
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and below 2^32")]
     fn index(&mut self, kind: Scalar) -> Result<u64, String> {
         let at = self.at;
         let found = self.scalar(kind)?;
-        if found >= 0.0 && found <= f64::from(u32::MAX) && found.fract() == 0.0 {
-            return Ok(found as u64);
-        }
-        Err(format!("byte {at}: {found} is no whole number of at least 0"))
+        whole(found).map(u64::from).ok_or_else(|| format!("byte {at}: {found} is no whole number of at least 0"))
     }
 
     fn room(&self, kind: Scalar) -> u64 {
