@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use png::{BitDepth, ColorType, Compression, Encoder, Filter, Writer};
+use png::Writer;
 
 use super::error::FormatError;
 use super::figure::{FigureExtent, framed};
@@ -151,13 +151,8 @@ impl<'a> Film<'a> {
     pub fn begin(values: &Values, out: &'a mut dyn Write) -> Result<Self, FormatError> {
         let options = Options::new(values, CoordinateSystem::default());
         let is_opaque = options.background[3] == 255;
-        let mut encoder = Encoder::new(out, options.size[0], options.size[1]);
-        encoder.set_color(if is_opaque { ColorType::Rgb } else { ColorType::Rgba });
-        encoder.set_depth(BitDepth::Eight);
         // frames are compressed like still pictures, see decision 7
-        encoder.set_compression(Compression::Fast);
-        encoder.set_filter(Filter::Adaptive);
-        encoder.set_pixel_dims(options.dpi().map(picture::pixel_dims));
+        let mut encoder = picture::encoder(options.size, (is_opaque, options.dpi()), out);
         let delay = values.integer(DELAY.name).and_then(|ms| u16::try_from(ms).ok()).unwrap_or(80);
         encoder.set_animated(u32::try_from(frames(values)).unwrap_or(2), 0).map_err(failed)?;
         encoder.set_frame_delay(delay, 1000).map_err(failed)?;

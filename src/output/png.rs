@@ -218,8 +218,23 @@ pub(super) fn pixels(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Resul
     }
 }
 
+/// Returns an encoder of pictures, or of the frames of a moving one, with this resolution in pixels per inch.
+pub(super) fn encoder<'a>(
+    [width, height]: [u32; 2],
+    (is_opaque, dpi): (bool, Option<f64>),
+    out: &'a mut dyn Write,
+) -> Encoder<'static, &'a mut dyn Write> {
+    let mut encoder = Encoder::new(out, width, height);
+    encoder.set_color(if is_opaque { ColorType::Rgb } else { ColorType::Rgba });
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(Filter::Adaptive);
+    encoder.set_pixel_dims(dpi.map(pixel_dims));
+    encoder
+}
+
 /// Returns the size of a pixel at a resolution in pixels per inch.
-pub(super) fn pixel_dims(dpi: f64) -> PixelDimensions {
+fn pixel_dims(dpi: f64) -> PixelDimensions {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "there are 1 to 10,000 an inch")]
     let a_metre = (dpi / 0.0254 + 0.5) as u32;
     PixelDimensions { xppu: a_metre, yppu: a_metre, unit: Unit::Meter }
@@ -237,24 +252,15 @@ pub(super) fn without_alpha(pixels: &mut Vec<u8>) {
 /// Writes pixels (red, green, blue, alpha), without the alpha if all are opaque.
 pub(super) fn encode(
     mut pixels: Vec<u8>,
-    [width, height]: [u32; 2],
+    size: [u32; 2],
     (is_opaque, dpi): (bool, Option<f64>),
     out: &mut dyn Write,
 ) -> Result<(), FormatError> {
-    let color = if is_opaque {
+    if is_opaque {
         without_alpha(&mut pixels);
-        ColorType::Rgb
-    } else {
-        ColorType::Rgba
-    };
-    let mut encoder = Encoder::new(out, width, height);
-    encoder.set_color(color);
-    encoder.set_depth(BitDepth::Eight);
-    encoder.set_compression(Compression::Fast);
-    encoder.set_filter(Filter::Adaptive);
-    encoder.set_pixel_dims(dpi.map(pixel_dims));
+    }
     let failed = |error| FormatError::Io(io::Error::other(error));
-    let mut writer = encoder.write_header().map_err(failed)?;
+    let mut writer = encoder(size, (is_opaque, dpi), out).write_header().map_err(failed)?;
     writer.write_image_data(&pixels).map_err(failed)?;
     writer.finish().map_err(failed)
 }
