@@ -116,7 +116,7 @@ pub(super) fn split_vertices(counts: &Counts, options: &Values) -> u128 {
 }
 
 /// Numbers of rows in the buffer.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Amounts {
     /// Number of positions.
     pub(super) vertices: u128,
@@ -170,22 +170,13 @@ impl Amounts {
                     uvs: mesh.uvs().is_some(),
                     ids: options.flag("ids"),
                     triangles: mesh.n_half_edges() as u128 - 2 * faces,
-                    targets: 0,
-                    frame_rate: None,
                     images: bytes_of_images(mesh.attachments(), faces > 0),
+                    ..Self::default()
                 }
             }
-            Shape::Curves(curves) => Self {
-                vertices: curves.iter().map(|curve| curve.len() as u128).sum(),
-                normals: false,
-                numbers: 0,
-                uvs: false,
-                ids: false,
-                triangles: 0,
-                targets: 0,
-                frame_rate: None,
-                images: 0,
-            },
+            Shape::Curves(curves) => {
+                Self { vertices: curves.iter().map(|curve| curve.len() as u128).sum(), ..Self::default() }
+            }
         }
     }
 

@@ -128,7 +128,7 @@ impl HardEdges {
 }
 
 /// Returns the edges of a face, the lower end of each first.
-fn edges_of(face: &[u32]) -> impl Iterator<Item = [u32; 2]> {
+pub(super) fn edges_of(face: &[u32]) -> impl Iterator<Item = [u32; 2]> {
     face.iter().zip(face.iter().cycle().skip(1)).map(|(&a, &b)| [a.min(b), a.max(b)])
 }
 

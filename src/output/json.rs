@@ -77,7 +77,6 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Json,
     doc: "JSON as in requests: all coordinates at full precision, polygons as they are",
     parameters: &[POSITIONS, NORMALS, TANGENTS, DISCRETE_CURVATURE, IDS, EDGES, SECTIONS, CONTROL],
-    holds: |_, _| Ok(()),
     ..FormatFacts::USUAL
 };
 
@@ -117,28 +116,21 @@ impl Requirements for Json {
             ShapeKind::Curves { dimension } => (true, dimension == 2 || dimension == 3),
             ShapeKind::Mesh => (false, false),
         };
-        if options.flag(TANGENTS.name) && !curves {
-            return Err(Fault::new(
-                "/tangents",
-                "a mesh has no tangents; ask for \"normals\" where a format knows them",
-            ));
-        }
-        if options.flag(DISCRETE_CURVATURE.name) && !bends {
-            let detail = "discrete curvature is defined for curves in the plane and in space; leave it out";
-            return Err(Fault::new("/discrete_curvature", detail));
-        }
-        if options.flag(ISOLINES) && curves {
-            return Err(Fault::new("/isolines", "isolines are edges of meshes; leave it out"));
-        }
-        if options.flag(CAGE) && curves {
-            return Err(Fault::new("/cage", "polygons have no control mesh; leave it out"));
-        }
-        let beside = || options.unusual().any(|(name, _)| name != CAGE);
-        if options.flag(CAGE) && beside() {
-            return Err(Fault::new(
-                "/cage",
-                "the control mesh is written as it was given; leave out what is beside it",
-            ));
+        let is_beside = options.unusual().any(|(name, _)| name != CAGE);
+        let faults = [
+            (TANGENTS.name, !curves, "a mesh has no tangents; ask for \"normals\" where a format knows them"),
+            (
+                DISCRETE_CURVATURE.name,
+                !bends,
+                "discrete curvature is defined for curves in the plane and in space; leave it out",
+            ),
+            (ISOLINES, curves, "isolines are edges of meshes; leave it out"),
+            (CAGE, curves, "polygons have no control mesh; leave it out"),
+            (CAGE, is_beside, "the control mesh is written as it was given; leave out what is beside it"),
+        ];
+        if let Some((name, _, detail)) = faults.into_iter().find(|(name, is_wrong, _)| *is_wrong && options.flag(name))
+        {
+            return Err(Fault::new(format!("/{name}"), detail));
         }
         if asked(options) && curves {
             return Err(Fault::new("/sections", "planes cut meshes, curves have no sections; leave it out"));

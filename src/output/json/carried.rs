@@ -10,7 +10,7 @@ use crate::output::counts::Counts;
 use crate::output::error::FormatError;
 use crate::output::numbers::{REAL_BYTES, digits, real, total, whole};
 use crate::output::options::{IDS, ISOLINES};
-use crate::output::scene::MeshSource;
+use crate::output::scene::{MeshSource, labelled_ranges};
 use crate::output::stream::Stream;
 use crate::shape::attachments::Channel;
 use crate::shape::creases::CreaseTags;
@@ -190,15 +190,7 @@ fn write_labels(
     looks: &[Look],
     stream: &mut Stream<'_>,
 ) -> Result<(), FormatError> {
-    let mut ranges = vec![Vec::new(); labels.names.len()];
-    for face in 0..mesh.input_cells()[2] {
-        let range = mesh.faces_of(face);
-        let label = u32::try_from(face).ok().and_then(|face| labels.number(face));
-        if let Some(label) = label.filter(|_| !range.is_empty()) {
-            ranges[label].push(range);
-        }
-    }
-    for (i, (name, ranges)) in labels.names.iter().zip(ranges).enumerate() {
+    for (i, (name, ranges)) in labels.names.iter().zip(labelled_ranges(mesh, labels)).enumerate() {
         let comma = if i > 0 { "," } else { "" };
         stream.bytes(format!("{comma}{{\"name\":{},\"faces\":[", Value::from(name.as_str())).as_bytes())?;
         let first = ranges.first().map(|range| range.start);

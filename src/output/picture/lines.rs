@@ -8,6 +8,7 @@ use super::options::{CONTROL_COLOR, Options, POINT_COLOR, WIRE_COLOR};
 use super::shading;
 use crate::drawing::{Discs, LegendSample, Stroke};
 use crate::math::parameter::Values;
+use crate::output::hard_edges::edges_of;
 use crate::output::options::{DIRECTION_ITEMS, ISOLINES, joined};
 use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, each_face, in_chunks, positions};
 use crate::raster::{Crowding, Strokes};
@@ -201,32 +202,28 @@ impl<'a> ControlLines<'a> {
 /// Returns each edge of the shown faces once.
 fn edges(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, Stopped> {
     let mut keys: Vec<[u32; 2]> = Vec::with_capacity(mesh.n_half_edges());
-    each_face(mesh, watch, |face| {
-        let next = face.iter().cycle().skip(1);
-        keys.extend(face.iter().zip(next).map(|(&a, &b)| [a.min(b), a.max(b)]));
-    })?;
+    each_face(mesh, watch, |face| keys.extend(edges_of(face)))?;
     keys.par_sort_unstable();
     keys.dedup();
     Ok(keys)
 }
 
 /// Returns the pieces of edges of the input that have a shown face beside them.
-fn pieces(
+pub(super) fn pieces(
     mesh: &dyn MeshSource,
-    mut edges: impl Iterator<Item = usize>,
+    edges: impl Iterator<Item = usize>,
     watch: &Watch,
 ) -> Result<Vec<[u32; 2]>, Stopped> {
     let mut pieces = Vec::new();
     let mut line = Vec::new();
-    edges.by_ref().enumerate().try_for_each(|(n, edge)| {
+    for (n, edge) in edges.enumerate() {
         if n % 4096 == 0 {
             watch.check()?;
         }
         if mesh.isoline(edge, &mut line) {
-            pieces.extend(line.windows(2).map(|pair| [pair[0], pair[1]]));
+            pieces.extend(line.array_windows().copied());
         }
-        Ok(())
-    })?;
+    }
     Ok(pieces)
 }
 
