@@ -6,7 +6,7 @@ use super::reader::{ReadLimits, ReadMesh};
 const MAX_CORNERS: usize = u32::MAX as usize / 5;
 
 /// A mesh that is being read.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct MeshBuilder {
     /// The contents read so far.
     pub(super) mesh: ReadMesh,

@@ -52,12 +52,8 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
 fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result<ReadMesh, String> {
     let mut reading = PlyReader {
         mesh: MeshBuilder::new(limits),
-        channels: Vec::new(),
-        uvs: Vec::new(),
-        corner_uvs: Vec::new(),
-        groups: BTreeMap::new(),
-        materials: BTreeMap::new(),
         n_vertices: header.elements.iter().find(|element| element.name == "vertex").map_or(0, |element| element.count),
+        ..PlyReader::default()
     };
     let named = |name: &str| header.elements.iter().filter(|element| element.name == name).count();
     for name in ["vertex", "face"] {
@@ -107,6 +103,7 @@ fn faces_among_vertices(element: &Element) -> Option<&str> {
     list.filter(|_| element.name == "vertex").map(|property| property.name.as_str())
 }
 
+#[derive(Default)]
 struct PlyReader {
     mesh: MeshBuilder,
     channels: Vec<ChannelInput>,
