@@ -125,15 +125,10 @@ fn turned(values: &Values, azimuths: &[f64], coordinate_system: CoordinateSystem
 }
 
 /// A moving picture that is being written.
+#[expect(missing_debug_implementations, reason = "what bytes go to need not have one")]
 pub struct Film<'a> {
     writer: Writer<&'a mut dyn Write>,
     is_opaque: bool,
-}
-
-impl std::fmt::Debug for Film<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Film").field("is_opaque", &self.is_opaque).finish_non_exhaustive()
-    }
 }
 
 fn failed(error: png::EncodingError) -> FormatError {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::error::FormatError;
 use super::normals;
 use super::positions::Positions;
-use super::scene::{FaceChunk, MeshSource, Shape, in_chunks};
+use super::scene::{FaceChunk, MeshSource, Shape, each_chunk, in_chunks};
 use crate::math::functions::sin;
 use crate::math::parameter::{Default, Parameter, Value, Values};
 use crate::math::vector::{dot, unit};
@@ -141,10 +141,7 @@ pub(super) fn faces(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<[f64; 3
     let scale = normals::scale(positions.rows());
     let mut normals = Vec::with_capacity(mesh.n_faces());
     let mut sides = Vec::with_capacity(mesh.n_half_edges());
-    let mut chunk = FaceChunk::default();
-    in_chunks(mesh.n_faces(), |range| {
-        watch.check()?;
-        mesh.faces(range.clone(), &mut chunk);
+    each_chunk(mesh, watch, |range, chunk| {
         let faces: Vec<&[u32]> = chunk.iter().collect();
         let normal = |&face: &&[u32]| unit(normals::area_vector(face, positions.rows(), scale));
         normals.par_extend(faces.par_iter().map(normal));
@@ -152,7 +149,6 @@ pub(super) fn faces(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<[f64; 3
             let f = crate::shape::topology::index(f);
             sides.extend(edges_of(face).map(|[a, b]| [a, b, f]));
         }
-        Ok::<_, FormatError>(())
     })?;
     sides.par_sort_unstable();
     Ok((normals, sides))

@@ -141,11 +141,23 @@ pub fn positions<'a>(mesh: &'a dyn MeshSource, watch: &Watch) -> Result<Cow<'a, 
 /// # Errors
 /// [`Stopped`] when the watch says so.
 pub fn each_face(mesh: &dyn MeshSource, watch: &Watch, mut each: impl FnMut(&[u32])) -> Result<(), Stopped> {
+    each_chunk(mesh, watch, |_, chunk| chunk.iter().for_each(&mut each))
+}
+
+/// Visits all faces, some thousand at a time, with their indices.
+///
+/// # Errors
+/// A stopped watch.
+pub(super) fn each_chunk(
+    mesh: &dyn MeshSource,
+    watch: &Watch,
+    mut each: impl FnMut(Range<usize>, &FaceChunk),
+) -> Result<(), Stopped> {
     let mut chunk = FaceChunk::default();
     in_chunks(mesh.n_faces(), |range| {
         watch.check()?;
-        mesh.faces(range, &mut chunk);
-        chunk.iter().for_each(&mut each);
+        mesh.faces(range.clone(), &mut chunk);
+        each(range, &chunk);
         Ok(())
     })
 }

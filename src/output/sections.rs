@@ -5,7 +5,7 @@ mod chain;
 use rayon::prelude::*;
 
 use crate::math::parameter::{Parameter, ParameterKind, Values};
-use crate::output::scene::{FaceChunk, MeshSource, in_chunks};
+use crate::output::scene::{MeshSource, each_chunk};
 use crate::shape::topology::{NONE, index};
 use crate::watch::{Stopped, Watch};
 
@@ -86,14 +86,10 @@ pub(super) fn section(
 ) -> Result<Vec<Polyline>, Stopped> {
     let distances = PlaneDistances::new(plane, positions);
     let mut segments: Vec<CutSegment> = Vec::new();
-    let mut chunk = FaceChunk::default();
-    in_chunks(mesh.n_faces(), |range| {
-        watch.check()?;
-        mesh.faces(range.clone(), &mut chunk);
+    each_chunk(mesh, watch, |range, chunk| {
         let faces: Vec<(u32, &[u32])> = (index(range.start)..).zip(chunk.iter()).collect();
         let found = faces.par_iter().with_min_len(1024).flat_map_iter(|&(f, face)| distances.segments(f, face));
         segments.par_extend(found);
-        Ok(())
     })?;
     let polyline = |(crossings, closed): (Vec<Crossing>, bool)| {
         let mut points: Vec<[f64; 3]> = crossings.iter().map(|crossing| distances.point(*crossing)).collect();

@@ -12,7 +12,7 @@ use crate::output::color_maps::ColorMap;
 use crate::output::colors::{linear, mark};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::scene::{FaceChunk, MeshSource, in_chunks, triangles};
+use crate::output::scene::{FaceChunk, MeshSource, each_chunk, in_chunks, triangles};
 use crate::raster::{Paint, Swatch, TriangleAppearance};
 use crate::shape::attachments::{Attachments, COLOR_CHANNEL};
 use crate::shape::labels::Labels;
@@ -342,10 +342,7 @@ fn by_labels(mesh: &dyn MeshSource, labels: &Labels, plain: [u8; 4], watch: &Wat
 /// Returns for each triangle the value of the input face from which it was refined.
 fn by_origin<T: Copy>(mesh: &dyn MeshSource, color: impl Fn(u32) -> T, watch: &Watch) -> Result<Vec<T>, Stopped> {
     let mut colors = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
-    let mut faces = FaceChunk::default();
-    in_chunks(mesh.n_faces(), |range| {
-        watch.check()?;
-        mesh.faces(range.clone(), &mut faces);
+    each_chunk(mesh, watch, |range, faces| {
         let mut known = None;
         for (f, face) in range.zip(faces.iter()) {
             let origin = mesh.face_origin(f);
@@ -354,7 +351,6 @@ fn by_origin<T: Copy>(mesh: &dyn MeshSource, color: impl Fn(u32) -> T, watch: &W
             let (_, color) = *known.insert(same.unwrap_or_else(|| (origin, color(origin))));
             colors.extend(std::iter::repeat_n(color, face.len().saturating_sub(2)));
         }
-        Ok(())
     })?;
     Ok(colors)
 }

@@ -49,7 +49,7 @@ pub(crate) fn drawing(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -
     if shows("tangents") {
         let runs = tangents(artist.easel, curves, control, artist.side_px, watch)?;
         plot.line(
-            DrawingItem::lines("tangents", runs, artist.stroke(1.8, TANGENT_INK)).titled("tangents"),
+            DrawingItem::lines("tangents", runs, options.stroke(1.8, TANGENT_INK)).titled("tangents"),
             "tangents",
         )?;
     }
@@ -73,13 +73,9 @@ struct Artist<'a> {
 
 impl Artist<'_> {
     /// Returns a solid stroke `width` units of line width wide.
-    fn stroke(&self, width: f32, color: Color) -> Stroke {
-        Stroke::solid(width * self.options.unit_px() * self.options.line_width(), color)
-    }
-
     fn control(&self, control: &[Curve], plot: &mut PlotItems) -> Result<(), FormatError> {
         let runs = self.easel.runs(control, self.watch)?;
-        let stroke = self.stroke(1.5, self.options.ink(&CONTROL_COLOR, POLYGON_INK));
+        let stroke = self.options.stroke(1.5, self.options.ink(&CONTROL_COLOR, POLYGON_INK));
         plot.line(DrawingItem::lines("control", runs, stroke).titled("control polygon"), "control polygon")
     }
 
@@ -91,14 +87,15 @@ impl Artist<'_> {
             self.side_px,
             self.watch,
         )?;
-        plot.items.push(DrawingItem::lines("comb", comb.teeth, self.stroke(0.8, COMB)).titled("curvature comb"));
-        let ends = DrawingItem::lines("comb", comb.ends, self.stroke(1.4, COMB_ENDS));
+        plot.items
+            .push(DrawingItem::lines("comb", comb.teeth, self.options.stroke(0.8, COMB)).titled("curvature comb"));
+        let ends = DrawingItem::lines("comb", comb.ends, self.options.stroke(1.4, COMB_ENDS));
         plot.line(ends.titled("curvature comb"), "curvature")
     }
 
     /// Adds the curves, all as one item if they have no styles of their own.
     fn curves(&self, curves: &[Curve], plot: &mut PlotItems) -> Result<(), FormatError> {
-        let stroke = self.stroke(3.4, self.options.color(CURVE_INK));
+        let stroke = self.options.stroke(3.4, self.options.color(CURVE_INK));
         let styles = styles(self.options, stroke.width_px);
         if styles.is_empty() {
             if let Some(color) = self.options.values.color(FILL.name) {

@@ -1,6 +1,7 @@
 //! The options that pictures have in common.
 
 use super::view_box::BOX;
+use crate::drawing::Stroke;
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Parameter, ParameterKind, Value, Values};
 use crate::output::colors::linear;
@@ -262,6 +263,11 @@ impl<'a> Options<'a> {
     /// Returns the factor of the default width of lines.
     pub(crate) fn line_width(&self) -> f32 {
         self.values.number(LINE_WIDTH.name).map_or(1.0, rounded)
+    }
+
+    /// Returns a solid line of this width, which follows the size of the picture and the width of lines.
+    pub(super) fn stroke(&self, width: f32, color: [u8; 4]) -> Stroke {
+        Stroke::solid(width * self.unit_px() * self.line_width(), color)
     }
 
     /// Returns the colour that an option gives to lines or points, or `default`.
