@@ -7,7 +7,8 @@ use super::counts::{Counts, ShapeKind};
 use super::description::DescriptionPlace;
 use super::error::FormatError;
 use super::options::IDS;
-use super::picture::outline::Outline;
+use super::picture::options::Options;
+use super::picture::outline::{self, Outline};
 use super::scene::{CoordinateSystem, Scene};
 use super::size::Size;
 use super::solid_options;
@@ -150,8 +151,8 @@ pub trait Format: Costs + fmt::Debug + Send + Sync {
 
     /// Returns the mean length, in pixels, of the edges of an input in the picture; `None` for formats that are not
     /// pictures.
-    fn side_px(&self, _outline: &Outline, _coordinate_system: CoordinateSystem, _options: &Values) -> Option<f64> {
-        None
+    fn side_px(&self, outline: &Outline, coordinate_system: CoordinateSystem, options: &Values) -> Option<f64> {
+        self.facts().paper.map(|_| outline::side_px(outline, &Options::new(options, coordinate_system)))
     }
 
     /// Writes the scene.

@@ -26,7 +26,7 @@ use crate::output::size::Size;
 use crate::output::stream::Stream;
 use crate::output::surface::{NORMALS, with_normals};
 use crate::shape::attachments::Attachments;
-use row::{faces, row, vectors};
+use row::{comma, faces, row, vectors};
 
 /// The option of discrete curvature.
 const DISCRETE_CURVATURE: Parameter = Parameter::flag(
@@ -284,9 +284,7 @@ fn write_tangents(tangents: &[f64], dimension: usize, stream: &mut Stream<'_>) -
 fn write_curvatures(curve: &Curve, n: usize, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     stream.bytes(br#","discrete_curvature":["#)?;
     stream.each(0..n, |i, out| {
-        if i > 0 {
-            out.push(b',');
-        }
+        comma(i, out);
         match curvature::discrete(curve, i) {
             Some(value) => real(out, value),
             None => out.extend_from_slice(b"null"),

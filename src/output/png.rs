@@ -20,12 +20,11 @@ use crate::output::picture::options::{
     self, BACKGROUND, CAMERA, COLOR, COMB_SCALE, CONTROL_COLOR, DPI, FILL, GROUNDING, HEIGHT, LINE_WIDTH, Options,
     POINT_COLOR, POINT_SIZE, QUALITY, WIDTH, WIRE_COLOR,
 };
-use crate::output::picture::outline::{self, Outline};
 use crate::output::picture::plot::{self, LEGEND, TEXT_SIZE, TITLE, X_LABEL, Y_LABEL};
 use crate::output::picture::shading::{self, SHADING, STRIPE_DIRECTION, STRIPES};
 use crate::output::picture::styles::STYLES;
 use crate::output::picture::{self, forecast, lines, look, meanings, mesh};
-use crate::output::scene::{CoordinateSystem, Scene, Shape};
+use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
 use crate::output::stream::Stream;
 use crate::output::surface::NORMALS;
@@ -122,10 +121,6 @@ const FACTS: &FormatFacts = &FormatFacts {
 impl Format for Png {
     fn facts(&self) -> &'static FormatFacts {
         FACTS
-    }
-
-    fn side_px(&self, outline: &Outline, coordinate_system: CoordinateSystem, options: &Values) -> Option<f64> {
-        Some(outline::side_px(outline, &Options::new(options, coordinate_system)))
     }
 
     fn encode(&self, scene: &Scene<'_>, values: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {

@@ -11,11 +11,10 @@ use crate::output::hard_edges;
 use crate::output::options::ISOLINES;
 use crate::output::picture::drawing::CURVE_ITEMS;
 use crate::output::picture::hidden_lines::{self, MESH_ITEMS};
-use crate::output::picture::options::{self, Options};
-use crate::output::picture::outline::{self, Outline};
+use crate::output::picture::options;
 use crate::output::picture::plot::{self, TITLE};
 use crate::output::picture::vector;
-use crate::output::scene::{CoordinateSystem, Scene};
+use crate::output::scene::Scene;
 use crate::output::sections::{SECTIONS, asked};
 use crate::output::size::Size;
 use crate::output::stream::Stream;
@@ -62,10 +61,6 @@ const PDF_FACTS: &FormatFacts = &FormatFacts {
 impl Format for VectorFormat {
     fn facts(&self) -> &'static FormatFacts {
         self.facts
-    }
-
-    fn side_px(&self, outline: &Outline, coordinate_system: CoordinateSystem, options: &Values) -> Option<f64> {
-        Some(outline::side_px(outline, &Options::new(options, coordinate_system)))
     }
 
     fn encode(&self, scene: &Scene<'_>, values: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {

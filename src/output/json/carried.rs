@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::looks;
-use super::row::{faces, row, vectors};
+use super::row::{comma, faces, row, vectors};
 use crate::math::parameter::Values;
 use crate::output::bytes::Bytes;
 use crate::output::counts::Counts;
@@ -128,9 +128,7 @@ fn rows(start: usize, numbers: &[f64], width: usize, out: &mut Bytes) {
     }
     out.append(|out| {
         for (place, &x) in (start..).zip(numbers) {
-            if place > 0 {
-                out.push(b',');
-            }
+            comma(place, out);
             real(out, x);
         }
     });
@@ -165,9 +163,7 @@ fn write_sharp<T: Sync>(
     }
     stream.bytes(format!(r#","{name}":["#).as_bytes())?;
     stream.each(0..entries.len(), |i, out| {
-        if i > 0 {
-            out.push(b',');
-        }
+        comma(i, out);
         let sharpness = place(&entries[i], out);
         out.extend_from_slice(br#","sharpness":"#);
         real(out, sharpness);

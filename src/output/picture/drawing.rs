@@ -5,7 +5,7 @@ use super::easel::Easel;
 use super::options::{COMB_SCALE, CONTROL_COLOR, FILL, Options, POINT_COLOR};
 use super::plot::{PlotArea, PlotItems};
 use super::styles::{Style, styles};
-use crate::drawing::{Color, Discs, Drawing, DrawingItem, FontWeight, Label, LegendSample, Mark, Point, Stroke};
+use crate::drawing::{Color, Discs, Drawing, DrawingItem, FontWeight, Label, LegendSample, Mark, Point};
 use crate::output::error::FormatError;
 use crate::output::scene::{Curve, Scene, Shape};
 use crate::watch::Watch;
