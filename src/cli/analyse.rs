@@ -74,9 +74,8 @@ impl Question {
         } else {
             found.write(form, &mut bytes, &watch).map_err(CliError::other)?;
         }
-        match &self.output {
+        match self.output.as_deref().filter(|path| path.as_os_str() != "-") {
             None => answer(&bytes),
-            Some(path) if path.as_os_str() == "-" => answer(&bytes),
             Some(path) => to_new_file(path, |out| {
                 let cannot = |error| CliError::files(format!("cannot write {}: {error}", path.display()));
                 out.write_all(&bytes).map_err(cannot)

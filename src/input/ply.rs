@@ -59,8 +59,7 @@ fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result
     for name in ["vertex", "face"] {
         // a file without faces is a point cloud or has strips instead
         if named(name) != 1 && (name == "vertex" || named(name) > 1) {
-            let detail = format!("the header has {} elements \"{name}\"; a mesh has one", named(name));
-            return Err(detail);
+            return Err(format!("the header has {} elements \"{name}\"; a mesh has one", named(name)));
         }
     }
     if named("face") > 0 && named("tristrips") > 0 {
@@ -167,8 +166,7 @@ impl PlyReader {
     fn uses(&mut self, element: &Element) -> Result<Vec<PropertyUse>, String> {
         let has = |name: &str| element.properties.iter().any(|p| p.name == name && p.list.is_none());
         if let Some(missing) = ["x", "y", "z"].iter().find(|name| !has(name)) {
-            let detail = format!("the vertices have no property \"{missing}\"; they need x, y and z");
-            return Err(detail);
+            return Err(format!("the vertices have no property \"{missing}\"; they need x, y and z"));
         }
         let pairs = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
         let uv = pairs.iter().find(|pair| pair.iter().all(|name| has(name)));

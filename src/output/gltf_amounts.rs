@@ -154,7 +154,7 @@ impl Amounts {
             triangles: if faces == 0 { 0 } else { counts.half_edges.saturating_sub(faces.saturating_mul(2)) },
             targets: counts.frames as u128,
             frame_rate: options.number(FRAME_RATE.name),
-            images: bytes_of_images(&counts.attachments, faces > 0),
+            images: if faces > 0 { gltf_looks::bytes_of_images(&counts.attachments.looks) } else { 0 },
         }
     }
 
@@ -170,7 +170,7 @@ impl Amounts {
                     uvs: mesh.uvs().is_some(),
                     ids: options.flag("ids"),
                     triangles: mesh.n_half_edges() as u128 - 2 * faces,
-                    images: bytes_of_images(mesh.attachments(), faces > 0),
+                    images: if faces > 0 { gltf_looks::bytes_of_images(&mesh.attachments().looks) } else { 0 },
                     ..Self::default()
                 }
             }
@@ -218,11 +218,6 @@ impl Amounts {
             (self.images, 1),
         ])
     }
-}
-
-/// Returns the bytes of the images of a mesh, which are written if it has faces.
-fn bytes_of_images(attachments: &Attachments, has_faces: bool) -> u128 {
-    if has_faces { gltf_looks::bytes_of_images(&attachments.looks) } else { 0 }
 }
 
 /// The facts that determine the length of a document.

@@ -118,8 +118,7 @@ impl Requirements for StencilsFormat {
         if values <= u32::MAX.into() {
             return Ok(());
         }
-        let detail = "there may be more weights than 32 bits number; ask for fewer levels";
-        Err(Fault::new("/format", detail))
+        Err(Fault::new("/format", "there may be more weights than 32 bits number; ask for fewer levels"))
     }
 }
 

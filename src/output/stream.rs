@@ -30,7 +30,8 @@ const MAX_BLOCKS: usize = 16;
 /// of it holds twice the memory.
 const MAX_ROWS: usize = 1 << 20;
 
-/// The way of a result to its reader: writes rows to `out` until `watch` says stop. Holds at most twice [`MAX_BLOCKS`] blocks, whose memory is reused.
+/// The way of a result to its reader: writes rows to `out` until `watch` says stop. Holds at most twice `MAX_BLOCKS`
+/// blocks, whose memory is reused.
 #[expect(missing_debug_implementations, reason = "what bytes go to need not have one")]
 pub struct Stream<'a> {
     pub(super) out: &'a mut dyn Write,

@@ -103,10 +103,10 @@ impl Costs for VectorFormat {
     /// Returns the maximum number of bytes of a drawing in lines.
     ///
     /// A point costs at most 51 bytes in the curve (when each segment is a path of its own), 51 in the control polygon,
-    /// 20 in a filled area, twice 51 in a comb, and 49 as a disc (230 in PDF, which is packed afterwards). Drawings with
-    /// letters (at most 70 labels) hold a font of at most a megabyte and some kilobytes besides. A curve with a style of
-    /// its own costs 200 bytes more. Each triangle gives at most one segment of a section, which is two points and is
-    /// drawn in lines only: 160 bytes are three times as much as a point takes.
+    /// 20 in a filled area, twice 51 in a comb, and 49 as a disc (230 in PDF, which is packed afterwards). Drawings
+    /// with letters (at most 70 labels) hold a font of at most a megabyte and some kilobytes besides. A curve with a
+    /// style of its own costs 200 bytes more. Each triangle gives at most one segment of a section, which is two points
+    /// and is drawn in lines only: 160 bytes are three times as much as a point takes.
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         if is_lines(counts, options) {
             return hidden_lines::size(counts, options);

@@ -34,8 +34,7 @@ pub(super) trait Body {
         let n = self.index(sizes)?;
         let room = self.room(kind);
         if n > room {
-            let detail = format!("{}: a list of {n} numbers; the file has room for {room} more", self.place());
-            return Err(detail);
+            return Err(format!("{}: a list of {n} numbers; the file has room for {room} more", self.place()));
         }
         Ok(n)
     }
@@ -59,8 +58,7 @@ pub(super) trait Body {
         let rows = kinds.map(|kind| self.room(kind)).min().unwrap_or(u64::MAX);
         if element.count > rows {
             let (name, n) = (quoted(&element.name), element.count);
-            let detail = format!("{}: {n} rows of {name}; the file has room for {rows} at most", self.place());
-            return Err(detail);
+            return Err(format!("{}: {n} rows of {name}; the file has room for {rows} at most", self.place()));
         }
         Ok(())
     }

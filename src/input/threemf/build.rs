@@ -130,10 +130,6 @@ fn collect_colors(model: &ThreeMfModel, room: &mut MemoryBudget) -> Result<Group
     Ok((starts, colors))
 }
 
-fn same(a: &[f64; 4], b: &[f64; 4]) -> bool {
-    a.map(f64::to_bits) == b.map(f64::to_bits)
-}
-
 impl Building<'_> {
     fn place(&mut self, item: PlacedObject, outer: &Transform, depth: usize) -> Result<(), String> {
         let PlacedObject { object: id, transform } = item;
@@ -274,7 +270,7 @@ fn channel(
     let mut agree = true;
     for (&v, &number) in mesh.faces.vertices().iter().zip(&of_corners) {
         let known = *of_vertices[v as usize].get_or_insert(color(number));
-        agree &= same(&known, &color(number));
+        agree &= known.map(f64::to_bits) == color(number).map(f64::to_bits);
     }
     if agree {
         let values =
