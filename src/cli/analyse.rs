@@ -2,11 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::error::{CliError, ExitKind};
+use super::error::CliError;
 use super::files::to_new_file;
 use super::inputs::InputSource;
 use super::say::answer;
-use crate::fault::Fault;
 use crate::job::Form;
 use crate::math::parameter::Literal;
 use crate::watch::Watch;
@@ -65,8 +64,7 @@ impl Question {
     pub(super) fn analyse(&self) -> Result<(), CliError> {
         let watch = Watch::new();
         let form = self.form()?;
-        let refused = |faults: Vec<Fault>| CliError::faults(ExitKind::Refused, &faults);
-        let analysis = self.request()?.resolve(form, &watch).map_err(refused)?;
+        let analysis = self.request()?.resolve(form, &watch).map_err(CliError::faults)?;
         let found = AnalysisAnswer::of(&analysis, &watch).map_err(CliError::other)?;
         let mut bytes = Vec::new();
         if form == Form::Json {
@@ -76,9 +74,8 @@ impl Question {
         } else {
             found.write(form, &mut bytes, &watch).map_err(CliError::other)?;
         }
-        match &self.output {
+        match self.output.as_deref().filter(|path| path.as_os_str() != "-") {
             None => answer(&bytes),
-            Some(path) if path.as_os_str() == "-" => answer(&bytes),
             Some(path) => to_new_file(path, |out| {
                 let cannot = |error| CliError::files(format!("cannot write {}: {error}", path.display()));
                 out.write_all(&bytes).map_err(cannot)
@@ -112,7 +109,7 @@ impl Question {
             let bytes = source.read().map_err(|error| error.about(&source))?;
             let mut request: AnalysisRequest = read(&bytes).map_err(|error| match error {
                 ReadError::NotJson(detail) => CliError::refused(detail),
-                ReadError::Unfit(faults) => CliError::faults(ExitKind::Refused, &faults),
+                ReadError::Unfit(faults) => CliError::faults(faults),
             })?;
             request.nodes = nodes.or(request.nodes);
             request.grid = grid.or(request.grid);

@@ -129,7 +129,7 @@ impl Read {
             }
             Self::Job(mut loaded) => {
                 let shape = OutputRequest::of_shape(loaded.request.outputs.first());
-                let shape = shape.map_err(|faults| CliError::faults(ExitKind::Refused, &faults)).map_err(named)?;
+                let shape = shape.map_err(CliError::faults).map_err(named)?;
                 loaded.request.outputs = vec![shape];
                 Ok(Side::Shape(Arc::new(loaded.admit(&options, &Limits::default()).map_err(named)?)))
             }
@@ -150,6 +150,5 @@ fn fault_error(faults: &[Fault]) -> CliError {
         let detail = fault.detail.replace("\"threshold\"", "--threshold").replace("\"tolerance\"", "--tolerance");
         Fault::new(place, detail)
     };
-    let faults: Vec<Fault> = faults.iter().map(flagged).collect();
-    CliError::faults(ExitKind::Refused, &faults)
+    CliError::faults(faults.iter().map(flagged))
 }

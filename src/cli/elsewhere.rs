@@ -78,8 +78,7 @@ impl RemoteRender<'_> {
         let begun = Instant::now();
         let (mut job, file) = self.options.job_json(source, *wanted)?;
         if !job["outputs"][0]["lod"].is_null() {
-            let detail = "--lod: levels of detail are several files; render them without --server";
-            return Err(CliError::usage(detail));
+            return Err(CliError::usage("--lod: levels of detail are several files; render them without --server"));
         }
         if let Some((bytes, media_type)) = file {
             job["input"]["blob"] = Value::from(remote.upload(&bytes, media_type, begun).await?);

@@ -95,7 +95,7 @@ impl CliError {
     }
 
     /// Creates an error from faults of the command line or of an input.
-    pub(super) fn faults(kind: ExitKind, faults: &[Fault]) -> Self {
-        Self { kind, details: faults.iter().map(ToString::to_string).collect() }
+    pub(super) fn faults(faults: impl IntoIterator<Item = Fault>) -> Self {
+        Self { kind: ExitKind::Refused, details: faults.into_iter().map(|fault| fault.to_string()).collect() }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
-use super::error::{CliError, ExitKind};
+use super::error::CliError;
 use super::files::to_new_file;
 use super::inputs::InputSource;
 use super::job::JobOptions;
@@ -130,6 +130,5 @@ fn fault_error(faults: &[Fault]) -> CliError {
         };
         Fault::new(place, fault.detail.clone())
     };
-    let faults: Vec<Fault> = faults.iter().map(flagged).collect();
-    CliError::faults(ExitKind::Refused, &faults)
+    CliError::faults(faults.iter().map(flagged))
 }

@@ -1,6 +1,6 @@
 //! Faults in terms of the command line: with flags in place of JSON pointers.
 
-use super::error::{CliError, ExitKind};
+use super::error::CliError;
 use super::flags::{JobFlags, dashed, flag, way_of};
 use crate::fault::Fault;
 use crate::job::limits::Refusal;
@@ -20,8 +20,7 @@ pub(super) struct FaultTranslator<'a> {
 impl FaultTranslator<'_> {
     /// Converts faults of an input to an error.
     pub(super) fn refused(&self, faults: Vec<Fault>) -> CliError {
-        let faults: Vec<Fault> = faults.into_iter().map(|fault| self.with_flags(fault)).collect();
-        CliError::faults(ExitKind::Refused, &faults)
+        CliError::faults(faults.into_iter().map(|fault| self.with_flags(fault)))
     }
 
     /// Converts the error of reading a job to an error of the command line.

@@ -74,8 +74,7 @@ pub(super) fn inputs(arguments: &[PathBuf]) -> Result<Vec<InputSource>, CliError
             None => found.push(InputSource::of(argument)),
         }
         if found.len() > MAX_INPUTS {
-            let detail = format!("more than {MAX_INPUTS} inputs; name fewer at once");
-            return Err(CliError::usage(detail));
+            return Err(CliError::usage(format!("more than {MAX_INPUTS} inputs; name fewer at once")));
         }
     }
     let mut seen = std::collections::HashSet::new();

@@ -143,8 +143,7 @@ impl InputRendering<'_> {
         let _pool = is_short.then(alone).transpose()?;
         let translator = FaultTranslator { flags: &self.options.flags, is_file, format };
         if self.target.is_none() && admitted.job().detail_keys().next().is_some() {
-            let detail = "--output: levels of detail are files beside the document; give it a file";
-            return Err(CliError::usage(detail));
+            return Err(CliError::usage("--output: levels of detail are files beside the document; give it a file"));
         }
         let report = match self.target {
             None => self.write(&admitted, &translator, &mut io::stdout().lock())?,

@@ -8,7 +8,7 @@ use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 
-use super::error::{CliError, ExitKind};
+use super::error::CliError;
 use super::inputs::InputSource;
 use super::key::{lifetime, now_s};
 use super::say::answer;
@@ -101,10 +101,10 @@ fn of_job(json: &[u8], format: Option<&str>) -> Result<String, CliError> {
         let detail = format!("the job has {} bytes, and an address holds {MAX_JOB_BYTES}", json.len());
         return Err(CliError::too_large(format!("{detail}; send the mesh to /v1/blobs and name it as input.blob")));
     }
-    let refused = |detail: String| CliError::faults(ExitKind::Refused, &[Fault::new("/outputs", detail)]);
+    let refused = |detail: String| CliError::faults([Fault::new("/outputs", detail)]);
     let request: JobRequest = read(json).map_err(|error| match error {
         ReadError::NotJson(detail) => CliError::refused(detail),
-        ReadError::Unfit(faults) => CliError::faults(ExitKind::Refused, &faults),
+        ReadError::Unfit(faults) => CliError::faults(faults),
     })?;
     let own = match request.outputs.as_slice() {
         [] => format,

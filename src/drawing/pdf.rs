@@ -63,7 +63,7 @@ pub fn pdf(drawing: &Drawing, lettering: Lettering, out: &mut dyn Write, watch: 
     named.finish();
     resources.finish();
     leaf.finish();
-    pdf.stream(content, &packed(&sheet.content)?).filter(Filter::FlateDecode);
+    pdf.stream(content, &packed(&sheet.content.finish().into_vec())?).filter(Filter::FlateDecode);
     for ((picture, id), mask) in sheet.pictures.iter().zip(pictures).zip(masks) {
         watch.check()?;
         embed(&mut pdf, picture, [id, mask])?;

@@ -193,12 +193,6 @@ impl DrawingItem {
         let corners = vec![[x, y], [x + width, y], [x + width, y + height], [x, y + height]];
         Self::new(class, Mark::Areas(vec![corners], color))
     }
-
-    /// Creates upright text.
-    pub fn text(class: &'static str, label: Label, at: Point, size_px: f32, color: Color) -> Self {
-        let (anchor, level) = (HorizontalAlign::Start, VerticalAlign::Baseline);
-        Self::new(class, Mark::Text(Text { label, at, size_px, anchor, level, turn_deg: 0.0, color }))
-    }
 }
 
 impl Drawing {

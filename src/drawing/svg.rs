@@ -181,8 +181,7 @@ impl SvgWriter<'_, '_> {
         let left = if anchor.is_some() { 0.0 } else { left };
         let origin = if text.turn_deg == 0.0 { text.at } else { [0.0; 2] };
         if text.turn_deg != 0.0 {
-            page.number("\" transform=\"translate(", text.at[0]);
-            page.number(" ", text.at[1]);
+            page.point("\" transform=\"translate(", text.at);
             page.number(") rotate(", text.turn_deg);
             page.text += ")";
         }
@@ -206,8 +205,7 @@ impl SvgWriter<'_, '_> {
     fn outlines(&mut self, text: &Text) {
         self.page.text += "<path";
         let [a, b, _, _, x, y] = text.frame();
-        self.page.number(" transform=\"translate(", x);
-        self.page.number(" ", y);
+        self.page.point(" transform=\"translate(", [x, y]);
         self.page.text += ")";
         if b != 0.0 || a < 0.0 {
             self.page.number(" rotate(", text.turn_deg);
@@ -237,8 +235,7 @@ impl SvgWriter<'_, '_> {
 
     fn group(&mut self, group: &Group, item: &DrawingItem) -> Result<(), DrawError> {
         let page = &mut *self.page;
-        page.number(" transform=\"translate(", group.shift[0]);
-        page.number(" ", group.shift[1]);
+        page.point(" transform=\"translate(", group.shift);
         page.text += ")";
         #[expect(clippy::float_cmp, reason = "any other scale is written")]
         let scaled = group.scale != 1.0;
@@ -269,28 +266,22 @@ struct SvgContours<'a, 'b>(&'a mut SvgPage<'b>);
 
 impl OutlineBuilder for SvgContours<'_, '_> {
     fn move_to(&mut self, x: f32, y: f32) {
-        self.0.number("M", x);
-        self.0.number(" ", y);
+        self.0.point("M", [x, y]);
     }
 
     fn line_to(&mut self, x: f32, y: f32) {
-        self.0.number("L", x);
-        self.0.number(" ", y);
+        self.0.point("L", [x, y]);
     }
 
     fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        self.0.number("Q", x1);
-        self.0.number(" ", y1);
-        self.0.number(" ", x);
-        self.0.number(" ", y);
+        self.0.point("Q", [x1, y1]);
+        self.0.point(" ", [x, y]);
     }
 
     fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        self.0.number("C", x1);
-        self.0.number(" ", y1);
-        for value in [x2, y2, x, y] {
-            self.0.number(" ", value);
-        }
+        self.0.point("C", [x1, y1]);
+        self.0.point(" ", [x2, y2]);
+        self.0.point(" ", [x, y]);
     }
 
     fn close(&mut self) {

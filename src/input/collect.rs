@@ -6,7 +6,7 @@ use super::reader::{ReadLimits, ReadMesh};
 const MAX_CORNERS: usize = u32::MAX as usize / 5;
 
 /// A mesh that is being read.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct MeshBuilder {
     /// The contents read so far.
     pub(super) mesh: ReadMesh,
@@ -77,4 +77,10 @@ fn at_most(bound: u64, n: u64, what: &str) -> Result<(), String> {
 pub(super) fn vertex_index(vertex: u64, n: usize) -> Result<u32, String> {
     let found = u32::try_from(vertex).ok().filter(|&v| (v as usize) < n);
     found.ok_or_else(|| format!("there is no vertex {vertex}; the file has {n}, counted from 0"))
+}
+
+/// Converts a non-negative whole number below 2^32, as all indices are.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and below 2^32")]
+pub(super) fn whole(x: f64) -> Option<u32> {
+    (x >= 0.0 && x <= f64::from(u32::MAX) && x.fract() == 0.0).then_some(x as u32)
 }

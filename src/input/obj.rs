@@ -98,7 +98,7 @@ fn read(file: &InputFile<'_>, limits: &ReadLimits) -> Result<ReadMesh, Vec<Strin
 }
 
 /// The state of the reader.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct ObjReader {
     mesh: MeshBuilder,
     faces: ObjFaces,
@@ -119,19 +119,7 @@ struct ObjReader {
 
 impl ObjReader {
     fn new(limits: &ReadLimits) -> Self {
-        Self {
-            mesh: MeshBuilder::new(limits),
-            faces: ObjFaces::default(),
-            uvs: Vec::new(),
-            n_normals: 0,
-            colors: Vec::new(),
-            color_width: 0,
-            tags: tags::ObjTags::default(),
-            libraries: Vec::new(),
-            libraries_beyond: 0,
-            left_out: BTreeMap::new(),
-            faults: Vec::new(),
-        }
+        Self { mesh: MeshBuilder::new(limits), ..Self::default() }
     }
 
     fn line(&mut self, line: usize, text: &str) -> Result<(), String> {

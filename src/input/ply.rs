@@ -52,19 +52,14 @@ fn read(bytes: &[u8], limits: &ReadLimits) -> Result<ReadMesh, String> {
 fn elements(header: &Header, mut body: impl Body, limits: &ReadLimits) -> Result<ReadMesh, String> {
     let mut reading = PlyReader {
         mesh: MeshBuilder::new(limits),
-        channels: Vec::new(),
-        uvs: Vec::new(),
-        corner_uvs: Vec::new(),
-        groups: BTreeMap::new(),
-        materials: BTreeMap::new(),
         n_vertices: header.elements.iter().find(|element| element.name == "vertex").map_or(0, |element| element.count),
+        ..PlyReader::default()
     };
     let named = |name: &str| header.elements.iter().filter(|element| element.name == name).count();
     for name in ["vertex", "face"] {
         // a file without faces is a point cloud or has strips instead
         if named(name) != 1 && (name == "vertex" || named(name) > 1) {
-            let detail = format!("the header has {} elements \"{name}\"; a mesh has one", named(name));
-            return Err(detail);
+            return Err(format!("the header has {} elements \"{name}\"; a mesh has one", named(name)));
         }
     }
     if named("face") > 0 && named("tristrips") > 0 {
@@ -107,6 +102,7 @@ fn faces_among_vertices(element: &Element) -> Option<&str> {
     list.filter(|_| element.name == "vertex").map(|property| property.name.as_str())
 }
 
+#[derive(Default)]
 struct PlyReader {
     mesh: MeshBuilder,
     channels: Vec<ChannelInput>,
@@ -170,8 +166,7 @@ impl PlyReader {
     fn uses(&mut self, element: &Element) -> Result<Vec<PropertyUse>, String> {
         let has = |name: &str| element.properties.iter().any(|p| p.name == name && p.list.is_none());
         if let Some(missing) = ["x", "y", "z"].iter().find(|name| !has(name)) {
-            let detail = format!("the vertices have no property \"{missing}\"; they need x, y and z");
-            return Err(detail);
+            return Err(format!("the vertices have no property \"{missing}\"; they need x, y and z"));
         }
         let pairs = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
         let uv = pairs.iter().find(|pair| pair.iter().all(|name| has(name)));

@@ -30,6 +30,15 @@ pub(super) fn at_line(line: usize, detail: impl std::fmt::Display) -> String {
     format!("line {line}: {detail}")
 }
 
+/// Maximum number of names that a note lists.
+pub(super) const MAX_NOTED_NAMES: usize = 8;
+
+/// Lists the first names for a note, and says whether there are more.
+pub(super) fn first_names(names: impl ExactSizeIterator<Item = String>) -> String {
+    let more = if names.len() > MAX_NOTED_NAMES { ", ..." } else { "" };
+    names.take(MAX_NOTED_NAMES).collect::<Vec<_>>().join(", ") + more
+}
+
 /// Quotes a word for a message and shortens it.
 pub(super) fn quoted(word: &str) -> String {
     let short: String = word.chars().take(40).collect();

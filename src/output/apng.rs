@@ -1,23 +1,22 @@
 //! APNG: a moving picture, in which the camera goes around or a parameter of the plan changes.
 
-use std::io::Write;
-
 use super::counts::{Counts, ShapeKind};
 use super::description::DescriptionPlace;
 use super::error::FormatError;
 use super::figure::FigureExtent;
 use super::film::{self, DELAY, FRAMES, Film, SWEPT_RANGE, TURNTABLE};
 use super::format::{Content, Costs, Format, FormatFacts, ParameterRange, Requirements};
+use super::options::joined;
 use super::picture::options::{self, CAMERA};
 use super::picture::outline::Outline;
-use super::png::Png;
+use super::png::{PNG_OPTIONS, Png};
 use super::scene::{CoordinateSystem, Scene};
 use super::size::Size;
+use super::stream::Stream;
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
-use crate::watch::Watch;
 
 /// The format "apng".
 #[derive(Debug, Clone, Copy)]
@@ -31,17 +30,8 @@ const MAX_FILM_PIXELS: u64 = 1 << 28;
 
 const FILM_OPTIONS: [Parameter; 4] = [FRAMES, DELAY, TURNTABLE, SWEPT_RANGE];
 
-const N_OPTIONS: usize = FILM_OPTIONS.len() + super::png::PNG_OPTIONS.len();
 /// The options of the format, followed by those of its frames.
-const APNG_OPTIONS: &[Parameter] = &{
-    let mut all = [FRAMES; N_OPTIONS];
-    let mut i = 0;
-    while i < N_OPTIONS {
-        all[i] = if i < FILM_OPTIONS.len() { FILM_OPTIONS[i] } else { super::png::PNG_OPTIONS[i - FILM_OPTIONS.len()] };
-        i += 1;
-    }
-    all
-};
+const APNG_OPTIONS: [Parameter; FILM_OPTIONS.len() + PNG_OPTIONS.len()] = joined(&FILM_OPTIONS, PNG_OPTIONS);
 
 const FACTS: &FormatFacts = &FormatFacts {
     name: "apng",
@@ -49,7 +39,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     media_type: "image/apng",
     content: Content::Packed,
     doc: "A picture that moves: the camera goes around, or a parameter of the plan changes from frame to frame.",
-    parameters: APNG_OPTIONS,
+    parameters: &APNG_OPTIONS,
     description: Some(DescriptionPlace::Png),
     holds,
     ..FormatFacts::USUAL
@@ -83,10 +73,11 @@ impl Format for Apng {
         film::parameter_range(values)
     }
 
-    fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, values: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let watch = stream.watch;
         let mut extent = FigureExtent::default();
         extent.add(scene, values, watch)?;
-        let mut film = Film::begin(values, out)?;
+        let mut film = Film::begin(values, stream.out)?;
         for shot in film::shots(values, &extent, scene.coordinate_system) {
             film.frame(scene, &shot, watch)?;
         }

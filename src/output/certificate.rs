@@ -1,10 +1,7 @@
 //! Certificates of solids: which parts are exact, which are bounded, and how.
 
-use std::io::Write;
-
 use serde_json::{Value, json};
 
-use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
@@ -12,11 +9,9 @@ use crate::output::format::{Content, Costs, Format, FormatFacts, MadeOf, Require
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
-use crate::output::solid_options::{SOLID_OPTIONS, admits, forecast, solid_of, work};
-use crate::scheme::plan::Plan;
-use crate::shape::mesh::Mesh;
+use crate::output::solid_options::{SOLID_OPTIONS, forecast, solid_of};
+use crate::output::stream::Stream;
 use crate::solid;
-use crate::watch::Watch;
 
 /// JSON with the properties of the solid that `step` writes with the same options. Lengths are in model units.
 ///
@@ -48,39 +43,21 @@ impl Format for CertificateFormat {
         FACTS
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
-        let solid = solid_of(scene, options, watch)?;
-        Ok(writeln!(out, "{}", report(&solid.certificate))?)
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let solid = solid_of(scene, options, stream.watch)?;
+        Ok(writeln!(stream.out, "{}", report(&solid.certificate))?)
     }
 }
 
 impl Requirements for CertificateFormat {
-    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
-        admits(mesh, plan, options)
+    fn makes_solid(&self, _options: &Values) -> bool {
+        true
     }
 }
 
 impl Costs for CertificateFormat {
     fn size(&self, counts: &Counts, options: &Values) -> Size {
         Size::AtMost(length(counts, options))
-    }
-
-    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        forecast(counts, options).bytes()
-    }
-
-    fn work(&self, mesh: Option<&Mesh>, _counts: &Counts, options: &Values) -> u128 {
-        work(mesh, options)
-    }
-
-    fn makes_solid(&self, _options: &Values) -> bool {
-        true
     }
 }
 

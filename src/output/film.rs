@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use png::{BitDepth, ColorType, Compression, Encoder, Filter, Writer};
+use png::Writer;
 
 use super::error::FormatError;
 use super::figure::{FigureExtent, framed};
@@ -24,32 +24,27 @@ pub(super) const FRAMES: Parameter =
     Parameter::integer("frames", [2, MAX_FILM_FRAMES], 24.0, "How many frames there are.");
 
 /// The duration of a frame.
-pub(super) const DELAY: Parameter = Parameter {
-    name: "delay_ms",
-    kind: ParameterKind::Integer { min: 10, max: 10_000 },
-    unit: "milliseconds",
-    default: Default::Number(80.0),
-    doc: "How long each frame is seen. The picture begins again after the last one.",
-};
+pub(super) const DELAY: Parameter = Parameter::integer(
+    "delay_ms",
+    [10, 10_000],
+    80.0,
+    "How long each frame is seen. The picture begins again after the last one.",
+)
+.in_unit("milliseconds");
 
 /// The path of the camera.
 pub(super) const TURNTABLE: Parameter = Parameter::optional(
     "turntable",
     ParameterKind::Group(&[
-        Parameter {
-            name: "from_deg",
-            kind: ParameterKind::Number { min: -3600.0, max: 3600.0 },
-            unit: "degrees",
-            default: Default::Number(0.0),
-            doc: "The azimuth of the first frame.",
-        },
-        Parameter {
-            name: "to_deg",
-            kind: ParameterKind::Number { min: -3600.0, max: 3600.0 },
-            unit: "degrees",
-            default: Default::Number(360.0),
-            doc: "The azimuth of the last frame, or, after whole turns, of the frame that would follow it.",
-        },
+        Parameter::number("from_deg", TURNS_DEG, Default::Number(0.0), "The azimuth of the first frame.")
+            .in_unit("degrees"),
+        Parameter::number(
+            "to_deg",
+            TURNS_DEG,
+            Default::Number(360.0),
+            "The azimuth of the last frame, or, after whole turns, of the frame that would follow it.",
+        )
+        .in_unit("degrees"),
     ]),
     "The camera goes around the up axis, in place of its azimuth. Left out, once around unless there is a \
      `sweep`.",
@@ -59,19 +54,18 @@ pub(super) const TURNTABLE: Parameter = Parameter::optional(
 pub(super) const SWEPT_RANGE: Parameter = Parameter::optional(
     "sweep",
     ParameterKind::Group(&[
-        Parameter {
-            name: "pointer",
-            kind: ParameterKind::Name,
-            unit: "",
-            default: Default::Required,
-            doc: "The place of the parameter in the job, such as /plan/parameters/delta.",
-        },
+        Parameter::required(
+            "pointer",
+            ParameterKind::Name,
+            "The place of the parameter in the job, such as /plan/parameters/delta.",
+        ),
         Parameter::number("from", ANY_NUMBER, Default::Required, "Its value in the first frame."),
         Parameter::number("to", ANY_NUMBER, Default::Required, "Its value in the last frame."),
     ]),
     "A parameter of the plan that goes evenly from one value to another; all frames have one camera.",
 );
 
+const TURNS_DEG: [f64; 2] = [-3600.0, 3600.0];
 const ANY_NUMBER: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// Returns the number of frames.
@@ -131,15 +125,10 @@ fn turned(values: &Values, azimuths: &[f64], coordinate_system: CoordinateSystem
 }
 
 /// A moving picture that is being written.
+#[expect(missing_debug_implementations, reason = "what bytes go to need not have one")]
 pub struct Film<'a> {
     writer: Writer<&'a mut dyn Write>,
     is_opaque: bool,
-}
-
-impl std::fmt::Debug for Film<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Film").field("is_opaque", &self.is_opaque).finish_non_exhaustive()
-    }
 }
 
 fn failed(error: png::EncodingError) -> FormatError {
@@ -157,13 +146,8 @@ impl<'a> Film<'a> {
     pub fn begin(values: &Values, out: &'a mut dyn Write) -> Result<Self, FormatError> {
         let options = Options::new(values, CoordinateSystem::default());
         let is_opaque = options.background[3] == 255;
-        let mut encoder = Encoder::new(out, options.size[0], options.size[1]);
-        encoder.set_color(if is_opaque { ColorType::Rgb } else { ColorType::Rgba });
-        encoder.set_depth(BitDepth::Eight);
         // frames are compressed like still pictures, see decision 7
-        encoder.set_compression(Compression::Fast);
-        encoder.set_filter(Filter::Adaptive);
-        encoder.set_pixel_dims(options.dpi().map(picture::pixel_dims));
+        let mut encoder = picture::encoder(options.size, (is_opaque, options.dpi()), out);
         let delay = values.integer(DELAY.name).and_then(|ms| u16::try_from(ms).ok()).unwrap_or(80);
         encoder.set_animated(u32::try_from(frames(values)).unwrap_or(2), 0).map_err(failed)?;
         encoder.set_frame_delay(delay, 1000).map_err(failed)?;

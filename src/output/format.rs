@@ -7,9 +7,12 @@ use super::counts::{Counts, ShapeKind};
 use super::description::DescriptionPlace;
 use super::error::FormatError;
 use super::options::IDS;
-use super::picture::outline::Outline;
+use super::picture::options::Options;
+use super::picture::outline::{self, Outline};
 use super::scene::{CoordinateSystem, Scene};
 use super::size::Size;
+use super::solid_options;
+use super::stream::Stream;
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
 use crate::scheme::plan::Plan;
@@ -125,7 +128,7 @@ pub struct ParameterRange {
 }
 
 /// A way to write a scene as bytes: its declaration, its requirements of a job, its costs, and the writing itself.
-pub trait Format: Requirements + Costs + fmt::Debug + Send + Sync {
+pub trait Format: Costs + fmt::Debug + Send + Sync {
     /// Returns the declaration of the format.
     fn facts(&self) -> &'static FormatFacts;
 
@@ -148,16 +151,15 @@ pub trait Format: Requirements + Costs + fmt::Debug + Send + Sync {
 
     /// Returns the mean length, in pixels, of the edges of an input in the picture; `None` for formats that are not
     /// pictures.
-    fn side_px(&self, _outline: &Outline, _coordinate_system: CoordinateSystem, _options: &Values) -> Option<f64> {
-        None
+    fn side_px(&self, outline: &Outline, coordinate_system: CoordinateSystem, options: &Values) -> Option<f64> {
+        self.facts().paper.map(|_| outline::side_px(outline, &Options::new(options, coordinate_system)))
     }
 
     /// Writes the scene.
     ///
     /// # Errors
     /// If the scene cannot be held after all, the writer fails, or the watch says stop.
-    fn write(&self, scene: &Scene<'_>, options: &Values, out: &mut dyn Write, watch: &Watch)
-    -> Result<(), FormatError>;
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError>;
 }
 
 /// The requirements of a format, checked before anything is computed, and what the format leaves out.
@@ -183,8 +185,13 @@ pub trait Requirements {
     ///
     /// # Errors
     /// The fault, with a pointer below the output.
-    fn admits(&self, _mesh: &Mesh, _plan: &Plan, _options: &Values) -> Result<(), Fault> {
-        Ok(())
+    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
+        if self.makes_solid(options) { solid_options::admits(mesh, plan, options) } else { Ok(()) }
+    }
+
+    /// Returns whether these options require the limit surface as a solid.
+    fn makes_solid(&self, _options: &Values) -> bool {
+        false
     }
 
     /// Returns sentences about the attachments of a mesh that the format leaves out.
@@ -200,29 +207,38 @@ pub trait Requirements {
 }
 
 /// The costs of writing, forecast before anything is computed.
-pub trait Costs {
+pub trait Costs: Requirements {
     /// Returns the size of the bytes for shapes of these counts.
     fn size(&self, counts: &Counts, options: &Values) -> Size;
 
     /// Returns the memory in bytes that the options cost while the scene is written, beyond what every result of such a
     /// shape needs.
-    fn memory(&self, _counts: &Counts, _options: &Values) -> u128 {
-        0
+    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
+        if self.makes_solid(options) { solid_options::forecast(counts, options).bytes() } else { 0 }
     }
 
     /// Returns the work beyond refining the shape and encoding its bytes, in rows of a table (100 ns each). `mesh` is
     /// the input, if it is a mesh.
-    fn work(&self, _mesh: Option<&Mesh>, _counts: &Counts, _options: &Values) -> u128 {
-        0
-    }
-
-    /// Returns whether these options require the limit surface as a solid.
-    fn makes_solid(&self, _options: &Values) -> bool {
-        false
+    fn work(&self, mesh: Option<&Mesh>, _counts: &Counts, options: &Values) -> u128 {
+        if self.makes_solid(options) { solid_options::work(mesh, options) } else { 0 }
     }
 }
 
 impl dyn Format + '_ {
+    /// Writes the scene to `out`, as [`Format::encode`] does.
+    ///
+    /// # Errors
+    /// If the scene cannot be held after all, the writer fails, or the watch says stop.
+    pub fn write(
+        &self,
+        scene: &Scene<'_>,
+        options: &Values,
+        out: &mut dyn Write,
+        watch: &Watch,
+    ) -> Result<(), FormatError> {
+        self.encode(scene, options, &mut Stream::new(out, watch))
+    }
+
     /// Returns the name in requests.
     pub fn name(&self) -> &'static str {
         self.facts().name

@@ -1,6 +1,6 @@
 //! GLB: glTF 2.0 in one binary file.
 
-use std::io::{self, Write};
+use std::io;
 
 use crate::fault::Fault;
 use crate::math::amounts::in_bytes;
@@ -18,11 +18,10 @@ use crate::output::gltf_packing::{self, Packing};
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
-use crate::output::stream::holds_space;
+use crate::output::stream::{Stream, holds_space};
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
-use crate::watch::Watch;
 
 /// Bytes before the first chunk, and before the content of each chunk.
 const CONTAINER_HEADER_BYTES: u128 = 12;
@@ -61,16 +60,11 @@ impl Format for Glb {
         gltf_bin::streams(mesh, options)
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let watch = stream.watch;
         buffered(scene, options, watch, |buffer| match Packing::of(options) {
-            Some(packing) => write_packed(&Packed::of(buffer, packing, watch)?, out),
-            None => write(buffer, out, watch),
+            Some(packing) => write_packed(&Packed::of(buffer, packing, watch)?, stream),
+            None => write(buffer, stream),
         })
     }
 }
@@ -108,30 +102,30 @@ impl Costs for Glb {
     }
 }
 
-fn write(buffer: &Buffer<'_>, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+fn write(buffer: &Buffer<'_>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     let json = padded(document(buffer, None)?, buffer.contents().room())?;
     let binary = buffer.amounts.bytes();
-    container(&json, binary, out)?;
-    if binary > 0 { buffer.write(out, watch) } else { Ok(()) }
+    container(&json, binary, stream)?;
+    if binary > 0 { buffer.write(stream) } else { Ok(()) }
 }
 
 /// Writes everything before `binary` bytes of the binary chunk; there is no such chunk if it is empty.
-fn container(json: &[u8], binary: u128, out: &mut dyn Write) -> Result<(), FormatError> {
+fn container(json: &[u8], binary: u128, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     let room = json.len() as u128;
     let file = check_length(file(room, binary)).map_err(FormatError::Unfit)?;
     let [room, binary] = [room, binary].map(|part| u32::try_from(part).expect("the parts are shorter than the file"));
-    out.write_all(b"glTF")?;
-    out.write_all([2, file].map(u32::to_le_bytes).as_flattened())?;
-    chunk(*b"JSON", room, out)?;
-    out.write_all(json)?;
-    if binary > 0 { chunk(*b"BIN\0", binary, out) } else { Ok(()) }
+    stream.bytes(b"glTF")?;
+    stream.bytes([2, file].map(u32::to_le_bytes).as_flattened())?;
+    chunk(*b"JSON", room, stream)?;
+    stream.bytes(json)?;
+    if binary > 0 { chunk(*b"BIN\0", binary, stream) } else { Ok(()) }
 }
 
-fn write_packed(packed: &Packed, out: &mut dyn Write) -> Result<(), FormatError> {
+fn write_packed(packed: &Packed, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     let document = packed.document(None)?;
     let room = document.len().next_multiple_of(4) as u128;
-    container(&padded(document, room)?, packed.bytes.len() as u128, out)?;
-    Ok(out.write_all(&packed.bytes)?)
+    container(&padded(document, room)?, packed.bytes.len() as u128, stream)?;
+    stream.bytes(&packed.bytes)
 }
 
 /// Pads the document with spaces to its forecast length.
@@ -161,9 +155,9 @@ fn file(json: u128, binary: u128) -> u128 {
     total(&[(CONTAINER_HEADER_BYTES, 1), (CHUNK_HEADER, chunks), (json, 1), (binary, 1)])
 }
 
-fn chunk(kind: [u8; 4], length: u32, out: &mut dyn Write) -> Result<(), FormatError> {
-    out.write_all(&length.to_le_bytes())?;
-    Ok(out.write_all(&kind)?)
+fn chunk(kind: [u8; 4], length: u32, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    stream.bytes(&length.to_le_bytes())?;
+    stream.bytes(&kind)
 }
 
 #[cfg(test)]

@@ -1,7 +1,5 @@
 //! glTF 2.0 as one text file, the buffer inside as base64.
 
-use std::io::Write;
-
 use base64::engine::general_purpose::STANDARD;
 use base64::write::EncoderWriter;
 
@@ -19,12 +17,12 @@ use crate::output::gltf_levels::{self, LOD};
 use crate::output::gltf_pack::Packed;
 use crate::output::gltf_packing::{self, Packing};
 use crate::output::numbers::total;
+use crate::output::options::joined;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
-use crate::output::stream::holds_space;
+use crate::output::stream::{Stream, holds_space};
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
-use crate::watch::Watch;
 
 const URI: &str = "data:application/octet-stream;base64,";
 
@@ -33,15 +31,7 @@ const URI: &str = "data:application/octet-stream;base64,";
 pub(super) struct Gltf;
 
 /// The options of both containers, and the one for levels of detail in several files.
-const ALL_PARAMETERS: &[Parameter] = &{
-    let mut all = [LOD; GLTF_OPTIONS.len() + 1];
-    let mut i = 0;
-    while i < GLTF_OPTIONS.len() {
-        all[i] = GLTF_OPTIONS[i];
-        i += 1;
-    }
-    all
-};
+const ALL_PARAMETERS: [Parameter; GLTF_OPTIONS.len() + 1] = joined(GLTF_OPTIONS, &[LOD]);
 
 const FACTS: &FormatFacts = &FormatFacts {
     name: "gltf",
@@ -49,7 +39,7 @@ const FACTS: &FormatFacts = &FormatFacts {
     media_type: "model/gltf+json",
     content: Content::Json,
     doc: "Self-contained glTF 2.0 in JSON: as glb, with the numbers as base64",
-    parameters: ALL_PARAMETERS,
+    parameters: &ALL_PARAMETERS,
     description: Some(DescriptionPlace::Gltf),
     holds_frames: true,
     holds: |kind, _| holds_space("gltf", kind),
@@ -67,22 +57,17 @@ impl Format for Gltf {
         Some(Details { format: &GltfBin, option: LOD.name, levels })
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let watch = stream.watch;
         if !scene.details.is_empty() {
-            return gltf_levels::write(scene, out, watch);
+            return gltf_levels::write(scene, stream);
         }
         buffered(scene, options, watch, |buffer| match Packing::of(options) {
             Some(packing) => {
                 let packed = Packed::of(buffer, packing, watch)?;
-                write(&packed.document(Some(URI))?, out, |out| Ok(out.write_all(&packed.bytes)?))
+                write(&packed.document(Some(URI))?, stream, |stream| stream.bytes(&packed.bytes))
             }
-            None => write(&document(buffer, Some(URI))?, out, |out| buffer.write(out, watch)),
+            None => write(&document(buffer, Some(URI))?, stream, |stream| buffer.write(stream)),
         })
     }
 }
@@ -125,15 +110,15 @@ impl Costs for Gltf {
 /// Writes a document, and inserts the bytes of its buffer after the start of its data URI.
 fn write(
     json: &[u8],
-    out: &mut dyn Write,
-    write_bytes: impl FnOnce(&mut dyn Write) -> Result<(), FormatError>,
+    stream: &mut Stream<'_>,
+    write_bytes: impl FnOnce(&mut Stream<'_>) -> Result<(), FormatError>,
 ) -> Result<(), FormatError> {
     let Some(start) = json.windows(URI.len()).position(|text| text == URI.as_bytes()) else {
-        return Ok(out.write_all(json)?);
+        return stream.bytes(json);
     };
     let (before, after) = json.split_at(start + URI.len());
-    out.write_all(before)?;
-    let mut base64 = EncoderWriter::new(out, &STANDARD);
-    write_bytes(&mut base64)?;
+    stream.bytes(before)?;
+    let mut base64 = EncoderWriter::new(&mut *stream.out, &STANDARD);
+    write_bytes(&mut Stream::new(&mut base64, stream.watch))?;
     Ok(base64.finish()?.write_all(after)?)
 }

@@ -116,7 +116,7 @@ pub(super) fn split_vertices(counts: &Counts, options: &Values) -> u128 {
 }
 
 /// Numbers of rows in the buffer.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Amounts {
     /// Number of positions.
     pub(super) vertices: u128,
@@ -154,7 +154,7 @@ impl Amounts {
             triangles: if faces == 0 { 0 } else { counts.half_edges.saturating_sub(faces.saturating_mul(2)) },
             targets: counts.frames as u128,
             frame_rate: options.number(FRAME_RATE.name),
-            images: bytes_of_images(&counts.attachments, faces > 0),
+            images: if faces > 0 { gltf_looks::bytes_of_images(&counts.attachments.looks) } else { 0 },
         }
     }
 
@@ -170,22 +170,13 @@ impl Amounts {
                     uvs: mesh.uvs().is_some(),
                     ids: options.flag("ids"),
                     triangles: mesh.n_half_edges() as u128 - 2 * faces,
-                    targets: 0,
-                    frame_rate: None,
-                    images: bytes_of_images(mesh.attachments(), faces > 0),
+                    images: if faces > 0 { gltf_looks::bytes_of_images(&mesh.attachments().looks) } else { 0 },
+                    ..Self::default()
                 }
             }
-            Shape::Curves(curves) => Self {
-                vertices: curves.iter().map(|curve| curve.len() as u128).sum(),
-                normals: false,
-                numbers: 0,
-                uvs: false,
-                ids: false,
-                triangles: 0,
-                targets: 0,
-                frame_rate: None,
-                images: 0,
-            },
+            Shape::Curves(curves) => {
+                Self { vertices: curves.iter().map(|curve| curve.len() as u128).sum(), ..Self::default() }
+            }
         }
     }
 
@@ -227,11 +218,6 @@ impl Amounts {
             (self.images, 1),
         ])
     }
-}
-
-/// Returns the bytes of the images of a mesh, which are written if it has faces.
-fn bytes_of_images(attachments: &Attachments, has_faces: bool) -> u128 {
-    if has_faces { gltf_looks::bytes_of_images(&attachments.looks) } else { 0 }
 }
 
 /// The facts that determine the length of a document.

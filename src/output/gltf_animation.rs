@@ -6,19 +6,19 @@ use gltf::json::validation::Checked::Valid;
 use gltf::json::{Accessor, Extras, Index, Root};
 use serde_json::json;
 
-use crate::math::parameter::{Default as Otherwise, Parameter, ParameterKind};
+use crate::math::parameter::{Default as Otherwise, Parameter};
 use crate::output::gltf_views::{CHANNEL_NUMBER_BYTES, Views, accessor};
 use crate::output::numbers::rounded;
 use crate::shape::topology::index;
 
 /// The option of both containers that requests the animation.
-pub(super) const FRAME_RATE: Parameter = Parameter {
-    name: "frames_per_second",
-    kind: ParameterKind::Number { min: 0.001, max: 1000.0 },
-    unit: "frames a second",
-    default: Otherwise::Absent,
-    doc: "Adds an animation that leads through the frames of a mesh, blended linearly; meshes with frames only",
-};
+pub(super) const FRAME_RATE: Parameter = Parameter::number(
+    "frames_per_second",
+    [0.001, 1000.0],
+    Otherwise::Absent,
+    "Adds an animation that leads through the frames of a mesh, blended linearly; meshes with frames only",
+)
+.in_unit("frames a second");
 
 /// Returns the time of a frame, seconds after the first one.
 fn moment(frame: usize, rate: f64) -> f32 {

@@ -1,7 +1,5 @@
 //! The buffer of a glTF model alone, to which a document elsewhere refers.
 
-use std::io::Write;
-
 use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::{Counts, ShapeKind};
@@ -15,10 +13,10 @@ use crate::output::gltf_packing::{self, Packing};
 use crate::output::hard_edges;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
+use crate::output::stream::Stream;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
-use crate::watch::Watch;
 
 /// The bytes of a glTF buffer: the binary chunk of `glb` with the same options.
 #[derive(Debug)]
@@ -55,16 +53,11 @@ impl Format for GltfBin {
         streams(mesh, options)
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let watch = stream.watch;
         buffered(scene, options, watch, |buffer| match Packing::of(options) {
-            Some(packing) => Ok(out.write_all(&Packed::of(buffer, packing, watch)?.bytes)?),
-            None => buffer.write(out, watch),
+            Some(packing) => stream.bytes(&Packed::of(buffer, packing, watch)?.bytes),
+            None => buffer.write(stream),
         })
     }
 }

@@ -1,6 +1,5 @@
 //! The binary half of glTF: f32 positions, normals and channels, then u16 or u32 indices.
 
-use std::io::Write;
 use std::ops::Range;
 
 use crate::math::parameter::Values;
@@ -174,8 +173,7 @@ impl<'a> Buffer<'a> {
     }
 
     /// Writes all bytes.
-    pub(super) fn write(&self, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
-        let mut stream = Stream::new(out, watch);
+    pub(super) fn write(&self, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         for part in &self.parts {
             stream.positions(&part.positions, |_, rows, out| vectors(rows, out, |row| minus(row, self.center)))?;
         }
@@ -189,13 +187,13 @@ impl<'a> Buffer<'a> {
                 |rows, out| vectors(rows, out, normals::or_up),
             )?;
         } else if self.amounts.normals {
-            normals = normals_of(mesh, self.smooth, &part.positions, watch)?;
+            normals = normals_of(mesh, self.smooth, &part.positions, stream.watch)?;
             stream.rows(&normals, |_, rows, out| vectors(rows, out, normals::or_up))?;
             if self.targets.is_empty() {
                 normals = Vec::new();
             }
         }
-        self.write_carried(mesh, &mut stream)?;
+        self.write_carried(mesh, stream)?;
         let short = self.amounts.triangle() == 6;
         for range in self.faces.iter().flat_map(|section| &section.ranges) {
             stream.faces_in(mesh, range.clone(), |_, faces, out| {
@@ -217,15 +215,15 @@ impl<'a> Buffer<'a> {
             }
         }
         for target in &self.targets {
-            target.write_positions(part.positions.rows(), self.center, &mut stream)?;
+            target.write_positions(part.positions.rows(), self.center, stream)?;
             if self.amounts.normals {
-                target.write_normals(&normals, &mut stream, watch)?;
+                target.write_normals(&normals, stream)?;
             }
         }
         if let Some(rate) = self.amounts.frame_rate {
             stream.bytes(&animation::numbers(self.targets.len(), rate))?;
         }
-        self.write_images(&mut stream)
+        self.write_images(stream)
     }
 
     /// Writes the bytes of all images, each padded to a multiple of 4.

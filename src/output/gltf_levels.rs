@@ -2,8 +2,6 @@
 //!
 //! Source: Microsoft, glTF extension `MSFT_lod` (2017).
 
-use std::io::Write;
-
 use serde_json::{Map, Value, json};
 
 use crate::fault::Fault;
@@ -18,6 +16,7 @@ use crate::output::gltf_packing::Packing;
 use crate::output::numbers::total;
 use crate::output::scene::{Detail, Scene};
 use crate::output::size::Size;
+use crate::output::stream::Stream;
 use crate::watch::Watch;
 
 /// The extension by which a node names its coarser substitutes.
@@ -84,10 +83,10 @@ pub(super) fn size(contents: GltfContents<'_>, options: &Values) -> Option<Size>
 }
 
 /// Writes the document about all details of a scene.
-pub(super) fn write(scene: &Scene<'_>, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+pub(super) fn write(scene: &Scene<'_>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     let mut all = Value::Null;
     for detail in scene.details {
-        let level = document(scene, detail, watch)?;
+        let level = document(scene, detail, stream.watch)?;
         all = if all.is_null() { level } else { joined(all, level) };
     }
     let nodes = all["scenes"][0]["nodes"].as_array().cloned().unwrap_or_default();
@@ -102,7 +101,7 @@ pub(super) fn write(scene: &Scene<'_>, out: &mut dyn Write, watch: &Watch) -> Re
         all["scenes"][0]["nodes"] = json!([finest]);
     }
     let bytes = serde_json::to_vec(&all).map_err(|error| unwritten(&error))?;
-    Ok(out.write_all(&bytes)?)
+    stream.bytes(&bytes)
 }
 
 /// Returns the document about a single level.

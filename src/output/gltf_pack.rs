@@ -18,6 +18,7 @@ use crate::output::gltf_document::{buffer_of, model, unwritten};
 use crate::output::gltf_grid::{PositionGrid, UNIT_ERROR, quantized_direction, quantized_fraction};
 use crate::output::gltf_order::{Aim, TriangleOrder, workspace};
 use crate::output::gltf_packing::Packing;
+use crate::output::stream::Stream;
 use crate::shape::topology::index;
 use crate::watch::Watch;
 
@@ -43,7 +44,7 @@ impl Packed {
     /// A model that cannot be written, or a stopped watch.
     pub(super) fn of(buffer: &Buffer<'_>, packing: Packing, watch: &Watch) -> Result<Self, FormatError> {
         let mut loose = Vec::with_capacity(usize::try_from(buffer.amounts.bytes()).unwrap_or(0));
-        buffer.write(&mut loose, watch)?;
+        buffer.write(&mut Stream::new(&mut loose, watch))?;
         let root = model(buffer)?;
         let mut packer = Packer {
             packing,

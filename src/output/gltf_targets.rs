@@ -90,13 +90,8 @@ impl<'a> MorphTarget<'a> {
     }
 
     /// Writes the displacements of normals from those of [`normals_of`] for the first frame.
-    pub(super) fn write_normals(
-        &self,
-        from: &[[f64; 3]],
-        stream: &mut Stream<'_>,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
-        let to = normals_of(self.mesh, self.smooth, &self.positions, watch)?;
+    pub(super) fn write_normals(&self, from: &[[f64; 3]], stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let to = normals_of(self.mesh, self.smooth, &self.positions, stream.watch)?;
         stream.rows(&to, |start, rows, out| {
             let from = from[start..].iter().copied().map(normals::or_up);
             encode(from, rows.iter().copied().map(normals::or_up), [0.0; 3], out);

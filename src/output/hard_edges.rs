@@ -5,23 +5,23 @@ use rayon::prelude::*;
 use super::error::FormatError;
 use super::normals;
 use super::positions::Positions;
-use super::scene::{FaceChunk, MeshSource, Shape, in_chunks};
+use super::scene::{FaceChunk, MeshSource, Shape, each_chunk, in_chunks};
 use crate::math::functions::sin;
-use crate::math::parameter::{Default, Parameter, ParameterKind, Value, Values};
+use crate::math::parameter::{Default, Parameter, Value, Values};
 use crate::math::vector::{dot, unit};
 use crate::output::counts::Counts;
 use crate::watch::{Stopped, Watch};
 
 /// The angle from which edges are hard.
-pub(super) const CREASE_ANGLE: Parameter = Parameter {
-    name: "crease_angle",
-    kind: ParameterKind::Number { min: 0.0, max: LARGEST_ANGLE },
-    unit: "degrees",
-    default: Default::Absent,
-    doc: "Edges of a mesh whose faces meet at more than this angle look hard: normals differ on their two sides. 180 \
-          leaves that to sharp edges alone. Left out, 180 where the plan makes a smooth surface, and 30 where it does \
-          not, as at level 0.",
-};
+pub(super) const CREASE_ANGLE: Parameter = Parameter::number(
+    "crease_angle",
+    [0.0, LARGEST_ANGLE],
+    Default::Absent,
+    "Edges of a mesh whose faces meet at more than this angle look hard: normals differ on their two sides. 180 \
+     leaves that to sharp edges alone. Left out, 180 where the plan makes a smooth surface, and 30 where it does \
+     not, as at level 0.",
+)
+.in_unit("degrees");
 
 /// The largest angle at which faces meet, degrees.
 const LARGEST_ANGLE: f64 = 180.0;
@@ -128,7 +128,7 @@ impl HardEdges {
 }
 
 /// Returns the edges of a face, the lower end of each first.
-fn edges_of(face: &[u32]) -> impl Iterator<Item = [u32; 2]> {
+pub(super) fn edges_of(face: &[u32]) -> impl Iterator<Item = [u32; 2]> {
     face.iter().zip(face.iter().cycle().skip(1)).map(|(&a, &b)| [a.min(b), a.max(b)])
 }
 
@@ -141,10 +141,7 @@ pub(super) fn faces(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<[f64; 3
     let scale = normals::scale(positions.rows());
     let mut normals = Vec::with_capacity(mesh.n_faces());
     let mut sides = Vec::with_capacity(mesh.n_half_edges());
-    let mut chunk = FaceChunk::default();
-    in_chunks(mesh.n_faces(), |range| {
-        watch.check()?;
-        mesh.faces(range.clone(), &mut chunk);
+    each_chunk(mesh, watch, |range, chunk| {
         let faces: Vec<&[u32]> = chunk.iter().collect();
         let normal = |&face: &&[u32]| unit(normals::area_vector(face, positions.rows(), scale));
         normals.par_extend(faces.par_iter().map(normal));
@@ -152,7 +149,6 @@ pub(super) fn faces(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<[f64; 3
             let f = crate::shape::topology::index(f);
             sides.extend(edges_of(face).map(|[a, b]| [a, b, f]));
         }
-        Ok::<_, FormatError>(())
     })?;
     sides.par_sort_unstable();
     Ok((normals, sides))

@@ -6,7 +6,6 @@ mod row;
 mod sections;
 
 use std::borrow::Cow;
-use std::io::Write;
 
 use serde_json::Value;
 
@@ -27,8 +26,7 @@ use crate::output::size::Size;
 use crate::output::stream::Stream;
 use crate::output::surface::{NORMALS, with_normals};
 use crate::shape::attachments::Attachments;
-use crate::watch::Watch;
-use row::{faces, row, vectors};
+use row::{comma, faces, row, vectors};
 
 /// The option of discrete curvature.
 const DISCRETE_CURVATURE: Parameter = Parameter::flag(
@@ -79,7 +77,6 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Json,
     doc: "JSON as in requests: all coordinates at full precision, polygons as they are",
     parameters: &[POSITIONS, NORMALS, TANGENTS, DISCRETE_CURVATURE, IDS, EDGES, SECTIONS, CONTROL],
-    holds: |_, _| Ok(()),
     ..FormatFacts::USUAL
 };
 
@@ -88,32 +85,25 @@ impl Format for Json {
         FACTS
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
-        let mut stream = Stream::new(out, watch);
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         stream.bytes(b"{")?;
         match scene.shape {
             Shape::Mesh(_) if options.flag(CAGE) => {
                 let Some(mesh) = scene.control.mesh() else {
                     return Err(FormatError::Unfit("there is no control mesh; leave \"cage\" out".into()));
                 };
-                write_cage(ControlSource(mesh), options, &mut stream)?;
+                write_cage(ControlSource(mesh), options, stream)?;
             }
             Shape::Mesh(mesh) => {
-                write_mesh(mesh, &mut stream)?;
+                write_mesh(mesh, stream)?;
                 if with_normals(options) {
-                    write_normals(mesh, &mut stream, watch)?;
+                    write_normals(mesh, stream)?;
                 }
-                carried::write(mesh, options, &mut stream)?;
-                sections::write(mesh, options, &mut stream, watch)?;
+                carried::write(mesh, options, stream)?;
+                sections::write(mesh, options, stream)?;
             }
-            Shape::Curves([curve]) => write_curve(curve, options, &mut stream)?,
-            Shape::Curves(curves) => write_curves(curves, options, &mut stream)?,
+            Shape::Curves([curve]) => write_curve(curve, options, stream)?,
+            Shape::Curves(curves) => write_curves(curves, options, stream)?,
         }
         stream.bytes(&warnings(scene.warnings))?;
         stream.bytes(b"}")
@@ -126,28 +116,21 @@ impl Requirements for Json {
             ShapeKind::Curves { dimension } => (true, dimension == 2 || dimension == 3),
             ShapeKind::Mesh => (false, false),
         };
-        if options.flag(TANGENTS.name) && !curves {
-            return Err(Fault::new(
-                "/tangents",
-                "a mesh has no tangents; ask for \"normals\" where a format knows them",
-            ));
-        }
-        if options.flag(DISCRETE_CURVATURE.name) && !bends {
-            let detail = "discrete curvature is defined for curves in the plane and in space; leave it out";
-            return Err(Fault::new("/discrete_curvature", detail));
-        }
-        if options.flag(ISOLINES) && curves {
-            return Err(Fault::new("/isolines", "isolines are edges of meshes; leave it out"));
-        }
-        if options.flag(CAGE) && curves {
-            return Err(Fault::new("/cage", "polygons have no control mesh; leave it out"));
-        }
-        let beside = || options.unusual().any(|(name, _)| name != CAGE);
-        if options.flag(CAGE) && beside() {
-            return Err(Fault::new(
-                "/cage",
-                "the control mesh is written as it was given; leave out what is beside it",
-            ));
+        let is_beside = options.unusual().any(|(name, _)| name != CAGE);
+        let faults = [
+            (TANGENTS.name, !curves, "a mesh has no tangents; ask for \"normals\" where a format knows them"),
+            (
+                DISCRETE_CURVATURE.name,
+                !bends,
+                "discrete curvature is defined for curves in the plane and in space; leave it out",
+            ),
+            (ISOLINES, curves, "isolines are edges of meshes; leave it out"),
+            (CAGE, curves, "polygons have no control mesh; leave it out"),
+            (CAGE, is_beside, "the control mesh is written as it was given; leave out what is beside it"),
+        ];
+        if let Some((name, _, detail)) = faults.into_iter().find(|(name, is_wrong, _)| *is_wrong && options.flag(name))
+        {
+            return Err(Fault::new(format!("/{name}"), detail));
         }
         if asked(options) && curves {
             return Err(Fault::new("/sections", "planes cut meshes, curves have no sections; leave it out"));
@@ -252,9 +235,9 @@ fn write_cage(cage: ControlSource<'_>, options: &Values, stream: &mut Stream<'_>
     carried::write(&cage, options, stream)
 }
 
-fn write_normals(mesh: &dyn MeshSource, stream: &mut Stream<'_>, watch: &Watch) -> Result<(), FormatError> {
-    let positions = Positions::of_mesh(mesh).held(watch)?;
-    let normals = normals::of(mesh, positions.rows(), watch)?;
+fn write_normals(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    let positions = Positions::of_mesh(mesh).held(stream.watch)?;
+    let normals = normals::of(mesh, positions.rows(), stream.watch)?;
     drop(positions);
     stream.bytes(br#","normals":["#)?;
     stream.rows(&normals, vectors)?;
@@ -301,9 +284,7 @@ fn write_tangents(tangents: &[f64], dimension: usize, stream: &mut Stream<'_>) -
 fn write_curvatures(curve: &Curve, n: usize, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     stream.bytes(br#","discrete_curvature":["#)?;
     stream.each(0..n, |i, out| {
-        if i > 0 {
-            out.push(b',');
-        }
+        comma(i, out);
         match curvature::discrete(curve, i) {
             Some(value) => real(out, value),
             None => out.extend_from_slice(b"null"),

@@ -19,6 +19,7 @@ mod colors;
 mod control_source;
 mod counts;
 mod curvature;
+mod disjoint_sets;
 mod error;
 mod farthest;
 mod find;

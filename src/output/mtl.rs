@@ -1,7 +1,5 @@
 //! MTL: the library of materials beside an OBJ file.
 
-use std::io::Write;
-
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, ParameterKind, Values};
 use crate::output::counts::{Counts, ShapeKind};
@@ -11,10 +9,10 @@ use crate::output::left_out::{Datum, left_out};
 use crate::output::numbers::{REAL_BYTES, reals, total};
 use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
+use crate::output::stream::Stream;
 use crate::shape::attachments::Attachments;
 use crate::shape::looks::{Look, images};
 use crate::shape::textures::{Image, ImageKind, Wrap};
-use crate::watch::Watch;
 
 /// The first line.
 const FIRST_LINE: &[u8] = b"# planish\n";
@@ -54,16 +52,10 @@ impl Format for Mtl {
         FACTS
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         let Shape::Mesh(mesh) = scene.shape else { return Ok(()) };
-        watch.check()?;
-        Ok(out.write_all(&library(mesh.attachments(), options.name(TEXTURES.name)))?)
+        stream.watch.check()?;
+        stream.bytes(&library(mesh.attachments(), options.name(TEXTURES.name)))
     }
 }
 

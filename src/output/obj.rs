@@ -1,7 +1,5 @@
 //! Wavefront OBJ: text that keeps polygons and every digit.
 
-use std::io::Write;
-
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, ParameterKind, Values};
 use crate::output::colors::within;
@@ -27,7 +25,6 @@ use crate::shape::creases::CreaseTags;
 use crate::shape::labels::Labels;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
-use crate::watch::Watch;
 
 /// The option of a library of materials.
 const LIBRARY: Parameter = Parameter::optional(
@@ -94,25 +91,18 @@ impl Format for Obj {
         if with_normals(options) { &[] } else { &[Tile::Quad, Tile::Triangle] }
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
-        let mut stream = Stream::new(out, watch);
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         stream.bytes(header(scene.coordinate_system, options).as_bytes())?;
         match scene.shape {
-            Shape::Curves(curves) => write_curves(curves, &mut stream),
+            Shape::Curves(curves) => write_curves(curves, stream),
             Shape::Mesh(mesh) => {
                 let obj_mesh = ObjMesh { mesh, ids: options.flag("ids") };
                 if with_normals(options) {
-                    write_with_normals(&obj_mesh, &mut stream, watch)?;
-                    return write_tags(&mesh.tags(), &mut stream);
+                    write_with_normals(&obj_mesh, stream)?;
+                    return write_tags(&mesh.tags(), stream);
                 }
-                obj_mesh.vertices(&Positions::of_mesh(mesh), &mut stream)?;
-                obj_mesh.uvs(&mut stream)?;
+                obj_mesh.vertices(&Positions::of_mesh(mesh), stream)?;
+                obj_mesh.uvs(stream)?;
                 if mesh.uvs().is_none() && !obj_mesh.tells_of_faces() {
                     stream.faces(mesh, |_, faces, out| FACE_LINE.faces(faces, 1, out))?;
                 } else {
@@ -125,7 +115,7 @@ impl Format for Obj {
                         });
                     })?;
                 }
-                write_tags(&mesh.tags(), &mut stream)
+                write_tags(&mesh.tags(), stream)
             }
         }
     }
@@ -199,7 +189,8 @@ fn tag(kind: &str, vertices: &[u32], sharpness: f64, out: &mut Vec<u8>) {
     out.push(b'\n');
 }
 
-fn write_with_normals(obj_mesh: &ObjMesh<'_>, stream: &mut Stream<'_>, watch: &Watch) -> Result<(), FormatError> {
+fn write_with_normals(obj_mesh: &ObjMesh<'_>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    let watch = stream.watch;
     let mesh = obj_mesh.mesh;
     let positions = Positions::of_mesh(mesh).held(watch)?;
     obj_mesh.vertices(&positions, stream)?;

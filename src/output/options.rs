@@ -1,6 +1,18 @@
 //! Options that several formats declare.
 
-use crate::math::parameter::Parameter;
+use crate::math::parameter::{Default, Parameter, ParameterKind};
+
+impl Parameter {
+    /// Declares a parameter without unit that must be given.
+    pub(super) const fn required(name: &'static str, kind: ParameterKind, doc: &'static str) -> Self {
+        Self { default: Default::Required, ..Self::optional(name, kind, doc) }
+    }
+
+    /// Declares the parameter with a unit.
+    pub(super) const fn in_unit(self, unit: &'static str) -> Self {
+        Self { unit, ..self }
+    }
+}
 
 /// The option of mesh formats that writes the origin of each face and vertex in the input.
 pub(super) const IDS: Parameter = Parameter::flag(
@@ -33,3 +45,15 @@ pub const TANGENTS: Parameter = Parameter::flag(
     "Whether the unit tangents of the limit curve at the points are written; null where there is none. Curves \
      only.",
 );
+
+/// Returns the entries of two lists, one behind the other.
+pub(super) const fn joined<T: Copy, const N: usize>(first: &[T], second: &[T]) -> [T; N] {
+    assert!(first.len() + second.len() == N, "the length of both lists");
+    let mut all = [first[0]; N];
+    let mut i = 0;
+    while i < N {
+        all[i] = if i < first.len() { first[i] } else { second[i - first.len()] };
+        i += 1;
+    }
+    all
+}

@@ -4,7 +4,6 @@ mod bulk;
 mod carried;
 mod layout;
 
-use std::io::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::fault::Fault;
@@ -27,7 +26,6 @@ use crate::output::vertex_sides::Sides;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
-use crate::watch::Watch;
 use carried::VertexProperties;
 use layout::{PlyEncoding, PlyLayout};
 
@@ -69,18 +67,11 @@ impl Format for Ply {
         if PlyLayout::of(options).normals { &[] } else { &[Tile::Quad, Tile::Triangle] }
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
-        let mut stream = Stream::new(out, watch);
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         match scene.shape {
-            Shape::Mesh(mesh) => write_mesh(mesh, scene.coordinate_system, PlyLayout::of(options), &mut stream, watch),
+            Shape::Mesh(mesh) => write_mesh(mesh, scene.coordinate_system, PlyLayout::of(options), stream),
             Shape::Curves(curves) => {
-                write_curves(curves, scene.coordinate_system, PlyLayout::of_curves(options), &mut stream)
+                write_curves(curves, scene.coordinate_system, PlyLayout::of_curves(options), stream)
             }
         }
     }
@@ -187,8 +178,8 @@ fn write_mesh(
     coordinate_system: CoordinateSystem,
     layout: PlyLayout,
     stream: &mut Stream<'_>,
-    watch: &Watch,
 ) -> Result<(), FormatError> {
+    let watch = stream.watch;
     let sides = Sides::of(Shape::Mesh(whole));
     let parts = sides.split_vertices(layout.normals, &HardEdges::default(), watch)?;
     let mesh = if let Shape::Mesh(mesh) = parts.shape() { mesh } else { whole };

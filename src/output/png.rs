@@ -13,20 +13,21 @@ use crate::output::description::DescriptionPlace;
 use crate::output::error::FormatError;
 use crate::output::format::{Content, Costs, Format, FormatFacts, Paper, Requirements};
 use crate::output::hard_edges::{self, CREASE_ANGLE};
-use crate::output::options::POSITIONS;
+use crate::output::options::{POSITIONS, joined};
 use crate::output::picture::coat::{self, CHANNEL, COLOR_BY, COMPONENT};
 use crate::output::picture::number_scale::{self, COLOR_BAR, COLOR_RANGE};
 use crate::output::picture::options::{
     self, BACKGROUND, CAMERA, COLOR, COMB_SCALE, CONTROL_COLOR, DPI, FILL, GROUNDING, HEIGHT, LINE_WIDTH, Options,
     POINT_COLOR, POINT_SIZE, QUALITY, WIDTH, WIRE_COLOR,
 };
-use crate::output::picture::outline::{self, Outline};
 use crate::output::picture::plot::{self, LEGEND, TEXT_SIZE, TITLE, X_LABEL, Y_LABEL};
 use crate::output::picture::shading::{self, SHADING, STRIPE_DIRECTION, STRIPES};
 use crate::output::picture::styles::STYLES;
 use crate::output::picture::{self, forecast, lines, look, meanings, mesh};
-use crate::output::scene::{CoordinateSystem, Scene, Shape};
+use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
+use crate::output::stream::Stream;
+use crate::output::surface::NORMALS;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::watch::{Stage, Watch};
@@ -47,6 +48,10 @@ const GROUND_BYTES: u128 = 12;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Png;
 
+/// All items that pictures can show.
+const ITEMS: [&str; 17] =
+    joined(&lines::SURFACE_ITEMS, &["curve", "vertices", "comb", "tangents", "axes", "grid", "legend"]);
+
 /// The options of the picture.
 pub(super) const PNG_OPTIONS: &[Parameter] = &[
     WIDTH,
@@ -56,25 +61,7 @@ pub(super) const PNG_OPTIONS: &[Parameter] = &[
     BACKGROUND,
     Parameter::optional(
         "show",
-        ParameterKind::Choices(&[
-            "surface",
-            "wireframe",
-            "isolines",
-            "control",
-            "points",
-            "creases",
-            "latitude",
-            "longitude",
-            "seams",
-            "extraordinary",
-            "curve",
-            "vertices",
-            "comb",
-            "tangents",
-            "axes",
-            "grid",
-            "legend",
-        ]),
+        ParameterKind::Choices(&ITEMS),
         "What is drawn: of a mesh its surface, its wireframe, the edges of the input on it (isolines), the \
          control net and its points, and what is tagged of the input as coloured lines and dots: creases (red), \
          latitude (green) and longitude lines (purple), seams of texture coordinates (orange), extraordinary \
@@ -89,12 +76,10 @@ pub(super) const PNG_OPTIONS: &[Parameter] = &[
     GROUNDING,
     POSITIONS,
     Parameter {
-        name: "normals",
-        kind: ParameterKind::Choice(&["none", "area", "limit"]),
-        unit: "",
         default: Default::Text("area"),
         doc: "What a smooth surface is lit by: normals weighted by the area of the faces around a vertex, those of \
               the limit surface, or none but those of its faces, as with flat shading.",
+        ..NORMALS
     },
     CREASE_ANGLE,
     COLOR,
@@ -138,24 +123,20 @@ impl Format for Png {
         FACTS
     }
 
-    fn side_px(&self, outline: &Outline, coordinate_system: CoordinateSystem, options: &Values) -> Option<f64> {
-        Some(outline::side_px(outline, &Options::new(options, coordinate_system)))
-    }
-
-    fn write(&self, scene: &Scene<'_>, values: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, values: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         let options = Options::new(values, scene.coordinate_system);
-        let pixels = pixels(scene, values, watch)?;
-        watch.check()?;
-        watch.enter(Stage::Encode);
+        let pixels = pixels(scene, values, stream.watch)?;
+        stream.watch.check()?;
+        stream.watch.enter(Stage::Encode);
         // an opaque background leaves no pixel transparent
-        encode(pixels, options.size, (options.background[3] == 255, options.dpi()), out)
+        encode(pixels, options.size, (options.background[3] == 255, options.dpi()), stream.out)
     }
 }
 
 impl Requirements for Png {
     fn suits(&self, kind: ShapeKind, carried: &Attachments, options: &Values) -> Result<(), Fault> {
         let fitting: &[&str] = match kind {
-            ShapeKind::Mesh => lines::SHOWN,
+            ShapeKind::Mesh => &lines::SHOWN,
             ShapeKind::Curves { .. } => picture::drawing::CURVE_ITEMS,
         };
         shading::check(kind, options)?;
@@ -232,8 +213,23 @@ pub(super) fn pixels(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Resul
     }
 }
 
+/// Returns an encoder of pictures, or of the frames of a moving one, with this resolution in pixels per inch.
+pub(super) fn encoder<'a>(
+    [width, height]: [u32; 2],
+    (is_opaque, dpi): (bool, Option<f64>),
+    out: &'a mut dyn Write,
+) -> Encoder<'static, &'a mut dyn Write> {
+    let mut encoder = Encoder::new(out, width, height);
+    encoder.set_color(if is_opaque { ColorType::Rgb } else { ColorType::Rgba });
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(Filter::Adaptive);
+    encoder.set_pixel_dims(dpi.map(pixel_dims));
+    encoder
+}
+
 /// Returns the size of a pixel at a resolution in pixels per inch.
-pub(super) fn pixel_dims(dpi: f64) -> PixelDimensions {
+fn pixel_dims(dpi: f64) -> PixelDimensions {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "there are 1 to 10,000 an inch")]
     let a_metre = (dpi / 0.0254 + 0.5) as u32;
     PixelDimensions { xppu: a_metre, yppu: a_metre, unit: Unit::Meter }
@@ -251,24 +247,15 @@ pub(super) fn without_alpha(pixels: &mut Vec<u8>) {
 /// Writes pixels (red, green, blue, alpha), without the alpha if all are opaque.
 pub(super) fn encode(
     mut pixels: Vec<u8>,
-    [width, height]: [u32; 2],
+    size: [u32; 2],
     (is_opaque, dpi): (bool, Option<f64>),
     out: &mut dyn Write,
 ) -> Result<(), FormatError> {
-    let color = if is_opaque {
+    if is_opaque {
         without_alpha(&mut pixels);
-        ColorType::Rgb
-    } else {
-        ColorType::Rgba
-    };
-    let mut encoder = Encoder::new(out, width, height);
-    encoder.set_color(color);
-    encoder.set_depth(BitDepth::Eight);
-    encoder.set_compression(Compression::Fast);
-    encoder.set_filter(Filter::Adaptive);
-    encoder.set_pixel_dims(dpi.map(pixel_dims));
+    }
     let failed = |error| FormatError::Io(io::Error::other(error));
-    let mut writer = encoder.write_header().map_err(failed)?;
+    let mut writer = encoder(size, (is_opaque, dpi), out).write_header().map_err(failed)?;
     writer.write_image_data(&pixels).map_err(failed)?;
     writer.finish().map_err(failed)
 }

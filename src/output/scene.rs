@@ -10,6 +10,7 @@ use std::sync::{Mutex, PoisonError};
 use crate::math::parameter::Values;
 use crate::scheme::plan::Plan;
 pub use crate::shape::coordinate_system::CoordinateSystem;
+use crate::shape::labels::Labels;
 use crate::shape::mesh::Mesh;
 pub use crate::shape::source::{Curve, FaceChunk, MeshSource, OnDemandSource, Origin};
 use crate::shape::weights::Weights;
@@ -140,11 +141,23 @@ pub fn positions<'a>(mesh: &'a dyn MeshSource, watch: &Watch) -> Result<Cow<'a, 
 /// # Errors
 /// [`Stopped`] when the watch says so.
 pub fn each_face(mesh: &dyn MeshSource, watch: &Watch, mut each: impl FnMut(&[u32])) -> Result<(), Stopped> {
+    each_chunk(mesh, watch, |_, chunk| chunk.iter().for_each(&mut each))
+}
+
+/// Visits all faces, some thousand at a time, with their indices.
+///
+/// # Errors
+/// A stopped watch.
+pub(super) fn each_chunk(
+    mesh: &dyn MeshSource,
+    watch: &Watch,
+    mut each: impl FnMut(Range<usize>, &FaceChunk),
+) -> Result<(), Stopped> {
     let mut chunk = FaceChunk::default();
     in_chunks(mesh.n_faces(), |range| {
         watch.check()?;
-        mesh.faces(range, &mut chunk);
-        chunk.iter().for_each(&mut each);
+        mesh.faces(range.clone(), &mut chunk);
+        each(range, &chunk);
         Ok(())
     })
 }
@@ -155,4 +168,17 @@ pub fn each_face(mesh: &dyn MeshSource, watch: &Watch, mut each: impl FnMut(&[u3
 /// The first error of `each`.
 pub fn in_chunks<E>(n: usize, mut each: impl FnMut(Range<usize>) -> Result<(), E>) -> Result<(), E> {
     (0..n).step_by(ROWS_PER_CHUNK).try_for_each(|start| each(start..n.min(start + ROWS_PER_CHUNK)))
+}
+
+/// Returns for each name the ranges of shown faces that have it, none of them empty.
+pub(super) fn labelled_ranges(mesh: &dyn MeshSource, labels: &Labels) -> Vec<Vec<Range<usize>>> {
+    let mut ranges = vec![Vec::new(); labels.names.len()];
+    for face in 0..mesh.input_cells()[2] {
+        let label = u32::try_from(face).ok().and_then(|face| labels.number(face));
+        let range = mesh.faces_of(face);
+        if let Some(label) = label.filter(|_| !range.is_empty()) {
+            ranges[label].push(range);
+        }
+    }
+    ranges
 }

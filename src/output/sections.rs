@@ -4,8 +4,8 @@ mod chain;
 
 use rayon::prelude::*;
 
-use crate::math::parameter::{Default, Parameter, ParameterKind, Values};
-use crate::output::scene::{FaceChunk, MeshSource, in_chunks};
+use crate::math::parameter::{Parameter, ParameterKind, Values};
+use crate::output::scene::{MeshSource, each_chunk};
 use crate::shape::topology::{NONE, index};
 use crate::watch::{Stopped, Watch};
 
@@ -23,20 +23,12 @@ pub(super) const SECTIONS: Parameter = Parameter::optional(
 );
 
 const PLANE: &[Parameter] = &[
-    Parameter {
-        name: "point",
-        kind: ParameterKind::Vector,
-        unit: "model units",
-        default: Default::Required,
-        doc: "A point of the plane.",
-    },
-    Parameter {
-        name: "normal",
-        kind: ParameterKind::Direction,
-        unit: "",
-        default: Default::Required,
-        doc: "The direction across the plane; its length does not count.",
-    },
+    Parameter::required("point", ParameterKind::Vector, "A point of the plane.").in_unit("model units"),
+    Parameter::required(
+        "normal",
+        ParameterKind::Direction,
+        "The direction across the plane; its length does not count.",
+    ),
 ];
 
 /// A plane.
@@ -94,14 +86,10 @@ pub(super) fn section(
 ) -> Result<Vec<Polyline>, Stopped> {
     let distances = PlaneDistances::new(plane, positions);
     let mut segments: Vec<CutSegment> = Vec::new();
-    let mut chunk = FaceChunk::default();
-    in_chunks(mesh.n_faces(), |range| {
-        watch.check()?;
-        mesh.faces(range.clone(), &mut chunk);
+    each_chunk(mesh, watch, |range, chunk| {
         let faces: Vec<(u32, &[u32])> = (index(range.start)..).zip(chunk.iter()).collect();
         let found = faces.par_iter().with_min_len(1024).flat_map_iter(|&(f, face)| distances.segments(f, face));
         segments.par_extend(found);
-        Ok(())
     })?;
     let polyline = |(crossings, closed): (Vec<Crossing>, bool)| {
         let mut points: Vec<[f64; 3]> = crossings.iter().map(|crossing| distances.point(*crossing)).collect();

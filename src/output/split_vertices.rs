@@ -5,7 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::output::hard_edges::HardEdges;
-use crate::output::scene::{FaceChunk, MeshSource, Shape, in_chunks};
+use crate::output::scene::{FaceChunk, MeshSource, Shape, each_chunk};
 use crate::shape::attachments::Attachments;
 use crate::shape::source::{CarriedSource, NormalSource, Origin, OriginSource, PlaceSource};
 use crate::watch::{Stopped, Watch};
@@ -104,10 +104,7 @@ fn corners(mesh: &dyn MeshSource, sharp: &[[u32; 2]], watch: &Watch) -> Result<V
     let mut ends = vec![false; mesh.n_vertices()];
     sharp.iter().flatten().for_each(|&v| ends[v as usize] = true);
     let mut all = Vec::new();
-    let mut chunk = FaceChunk::default();
-    in_chunks(mesh.n_faces(), |range| {
-        watch.check()?;
-        mesh.faces(range.clone(), &mut chunk);
+    each_chunk(mesh, watch, |range, chunk| {
         let faces: Vec<&[u32]> = chunk.iter().collect();
         let found = faces.par_iter().zip(range).flat_map_iter(|(&face, f)| {
             let n = face.len();
@@ -120,7 +117,6 @@ fn corners(mesh: &dyn MeshSource, sharp: &[[u32; 2]], watch: &Watch) -> Result<V
             })
         });
         all.par_extend(found);
-        Ok(())
     })?;
     all.par_sort_unstable_by_key(|corner: &FaceAtVertex| (corner.vertex, corner.face));
     Ok(all)

@@ -8,8 +8,6 @@ mod hashes;
 mod mesh;
 mod moments;
 
-use std::io::Write;
-
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
 use crate::output::certificate;
@@ -20,12 +18,11 @@ use crate::output::numbers::total;
 use crate::output::options::POSITIONS;
 use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
-use crate::output::solid_options::{admits, forecast, solid_of, work};
+use crate::output::solid_options::{forecast, solid_of, work};
+use crate::output::stream::Stream;
 use crate::output::surface::{NORMALS, with_normals};
-use crate::scheme::plan::Plan;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
-use crate::watch::Watch;
 
 /// JSON with counts, bounding box, measures and hashes.
 ///
@@ -65,7 +62,6 @@ const FACTS: &FormatFacts = &FormatFacts {
     content: Content::Json,
     doc: "Statistics in JSON: counts, bounding box, measures, moments, valences, hashes",
     parameters: &[POSITIONS, NORMALS, CURVATURE, CERTIFICATE],
-    holds: |_, _| Ok(()),
     ..FormatFacts::USUAL
 };
 
@@ -74,13 +70,8 @@ impl Format for Stats {
         FACTS
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let watch = stream.watch;
         let mut found = match scene.shape {
             Shape::Mesh(mesh) => mesh::report(mesh, [with_normals(options), options.flag(CURVATURE.name)], watch)?,
             Shape::Curves(curves) => match curves.first().map_or(1, |curve| curve.dimension) {
@@ -93,7 +84,7 @@ impl Format for Stats {
         if options.flag(CERTIFICATE.name) {
             found["certificate"] = certificate::report(&solid_of(scene, options, watch)?.certificate);
         }
-        Ok(writeln!(out, "{found}")?)
+        Ok(writeln!(stream.out, "{found}")?)
     }
 }
 
@@ -108,8 +99,8 @@ impl Requirements for Stats {
         Ok(())
     }
 
-    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
-        if options.flag(CERTIFICATE.name) { admits(mesh, plan, options) } else { Ok(()) }
+    fn makes_solid(&self, options: &Values) -> bool {
+        options.flag(CERTIFICATE.name)
     }
 }
 
@@ -131,10 +122,6 @@ impl Costs for Stats {
             vertices.saturating_mul(of_vertex).saturating_add(counts.half_edges.saturating_mul(of_corner));
         let solid = if options.flag(CERTIFICATE.name) { forecast(counts, options).bytes() } else { 0 };
         if options.flag(CURVATURE.name) { curvature_bytes.saturating_add(solid) } else { solid }
-    }
-
-    fn makes_solid(&self, options: &Values) -> bool {
-        options.flag(CERTIFICATE.name)
     }
 
     /// Counts for curvature three sums over the faces and the sorting of the edges, 150 ns per half-edge.

@@ -1,8 +1,6 @@
 //! Stencils: the weights that make the points of a result from those of the input, for pages that move points
 //! themselves.
 
-use std::io::Write;
-
 use crate::fault::Fault;
 use crate::math::parameter::{Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
@@ -16,7 +14,6 @@ use crate::output::stream::Stream;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::shape::weights::{NormalProduct, Weights};
-use crate::watch::Watch;
 
 /// The weights of all points, as JSON text or as arrays behind a line of JSON.
 ///
@@ -99,12 +96,11 @@ impl Format for StencilsFormat {
         self.facts
     }
 
-    fn write(&self, scene: &Scene<'_>, _: &Values, out: &mut dyn Write, watch: &Watch) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, _: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         let Some(weights) = scene.weights else {
             return Err(FormatError::Unfit("there are no weights without a plan that makes points".into()));
         };
-        let mut stream = Stream::new(out, watch);
-        if self.is_text { write_text(weights, &mut stream) } else { write_arrays(weights, &mut stream) }
+        if self.is_text { write_text(weights, stream) } else { write_arrays(weights, stream) }
     }
 }
 
@@ -122,8 +118,7 @@ impl Requirements for StencilsFormat {
         if values <= u32::MAX.into() {
             return Ok(());
         }
-        let detail = "there may be more weights than 32 bits number; ask for fewer levels";
-        Err(Fault::new("/format", detail))
+        Err(Fault::new("/format", "there may be more weights than 32 bits number; ask for fewer levels"))
     }
 }
 

@@ -5,10 +5,7 @@ mod looks;
 mod product;
 mod shape;
 
-use std::io::Write;
-
 use self::entities::Entities;
-use crate::fault::Fault;
 use crate::math::parameter::Values;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
@@ -17,11 +14,9 @@ use crate::output::left_out::{Datum, left_out};
 use crate::output::numbers::total;
 use crate::output::scene::Scene;
 use crate::output::size::Size;
-use crate::output::solid_options::{SOLID_OPTIONS, admits, forecast, solid_of, work};
-use crate::scheme::plan::Plan;
+use crate::output::solid_options::{SOLID_OPTIONS, forecast, solid_of};
+use crate::output::stream::Stream;
 use crate::shape::attachments::Attachments;
-use crate::shape::mesh::Mesh;
-use crate::watch::Watch;
 
 /// ISO 10303-21 with the schema of AP242: exact bicubic B-spline faces, and caps within a tolerance.
 #[derive(Debug)]
@@ -45,16 +40,11 @@ impl Format for StepFormat {
         FACTS
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+        let watch = stream.watch;
         let solid = solid_of(scene, options, watch)?;
         scene.notes.add(solid.certificate.summary());
-        let mut out = Entities::new(out);
+        let mut out = Entities::new(stream.out);
         out.line("ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');")?;
         out.line("FILE_NAME('','',(''),(''),'planish','planish','');")?;
         out.line(&format!("FILE_SCHEMA(('{}'));\nENDSEC;\nDATA;", product::SCHEMA))?;
@@ -84,8 +74,8 @@ impl Requirements for StepFormat {
         left_out("step", "glb", carried, &kinds)
     }
 
-    fn admits(&self, mesh: &Mesh, plan: &Plan, options: &Values) -> Result<(), Fault> {
-        admits(mesh, plan, options)
+    fn makes_solid(&self, _options: &Values) -> bool {
+        true
     }
 }
 
@@ -97,17 +87,5 @@ impl Costs for StepFormat {
         let forecast = forecast(counts, options);
         let labels = total(&[(counts.attachments.groups.names.len() as u128, 128), (forecast.faces, 200)]);
         Size::AtMost(total(&[(forecast.leaves, 1_000), (forecast.faces, 9_000), (1, 8_192 + labels)]))
-    }
-
-    fn memory(&self, counts: &Counts, options: &Values) -> u128 {
-        forecast(counts, options).bytes()
-    }
-
-    fn work(&self, mesh: Option<&Mesh>, _counts: &Counts, options: &Values) -> u128 {
-        work(mesh, options)
-    }
-
-    fn makes_solid(&self, _options: &Values) -> bool {
-        true
     }
 }

@@ -1,7 +1,5 @@
 //! STL: loose triangles in f32, for printers and mesh tools.
 
-use std::io::Write;
-
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Parameter, Values};
 use crate::math::vector::{plus, unit};
@@ -22,7 +20,6 @@ use crate::output::surface::NORMALS;
 use crate::shape::attachments::Attachments;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
-use crate::watch::Watch;
 
 /// Bytes before the number of triangles; programs take a file that starts with "solid" for text.
 const STL_HEADER: &[u8; 80] = b"planish; binary STL, units as in the model                                      ";
@@ -61,15 +58,9 @@ impl Format for Stl {
         if options.choice(NORMALS.name) == Some(LIMIT) { &[] } else { &[Tile::Quad] }
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         match scene.shape {
-            Shape::Mesh(mesh) => write_mesh(mesh, options.choice(NORMALS.name), out, watch),
+            Shape::Mesh(mesh) => write_mesh(mesh, options.choice(NORMALS.name), stream),
             Shape::Curves(_) => Err(FormatError::Unfit("stl holds triangles only; ask for json or obj".into())),
         }
     }
@@ -101,15 +92,11 @@ fn check_triangles(n: u128) -> Result<u32, String> {
     u32::try_from(n).map_err(|_| format!("{n} triangles, stl counts at most {most}; ask for ply or obj"))
 }
 
-fn write_mesh(
-    mesh: &dyn MeshSource,
-    normals: Option<&str>,
-    out: &mut dyn Write,
-    watch: &Watch,
-) -> Result<(), FormatError> {
+fn write_mesh(mesh: &dyn MeshSource, normals: Option<&str>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    let watch = stream.watch;
     let n = check_triangles(mesh.n_half_edges() as u128 - 2 * mesh.n_faces() as u128).map_err(FormatError::Unfit)?;
     if let Some(source) = mesh.on_demand() {
-        return write_on_demand(mesh, source, n, normals, out, watch);
+        return write_on_demand(mesh, source, n, normals, stream);
     }
     let at_limit = normals == Some(LIMIT);
     let split_vertices =
@@ -120,7 +107,6 @@ fn write_mesh(
     let corners = if at_limit { normals::of(mesh, rows, watch)? } else { Vec::new() };
     let scale = normals::scale(rows);
     let at = |v: u32| rows[v as usize];
-    let mut stream = Stream::new(out, watch);
     stream.bytes(STL_HEADER)?;
     stream.bytes(&n.to_le_bytes())?;
     let write = |record: &mut StlTriangle, triangle: [u32; 3]| {
@@ -150,11 +136,9 @@ fn write_on_demand(
     source: &dyn OnDemandSource,
     n_triangles: u32,
     normals: Option<&str>,
-    out: &mut dyn Write,
-    watch: &Watch,
+    stream: &mut Stream<'_>,
 ) -> Result<(), FormatError> {
-    let scale = normals::scale_of(&Positions::of_mesh(mesh).within_f32().bounds(watch)?);
-    let mut stream = Stream::new(out, watch);
+    let scale = normals::scale_of(&Positions::of_mesh(mesh).within_f32().bounds(stream.watch)?);
     stream.bytes(STL_HEADER)?;
     stream.bytes(&n_triangles.to_le_bytes())?;
     stream.corners(mesh.n_faces(), source, |quads, out| {

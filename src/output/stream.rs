@@ -30,10 +30,12 @@ const MAX_BLOCKS: usize = 16;
 /// of it holds twice the memory.
 const MAX_ROWS: usize = 1 << 20;
 
-/// Writes rows to `out`. Holds at most twice [`MAX_BLOCKS`] blocks, whose memory is reused.
-pub(super) struct Stream<'a> {
-    out: &'a mut dyn Write,
-    watch: &'a Watch,
+/// The way of a result to its reader: writes rows to `out` until `watch` says stop. Holds at most twice `MAX_BLOCKS`
+/// blocks, whose memory is reused.
+#[expect(missing_debug_implementations, reason = "what bytes go to need not have one")]
+pub struct Stream<'a> {
+    pub(super) out: &'a mut dyn Write,
+    pub(super) watch: &'a Watch,
     /// The blocks that are being encoded, and those that are being written.
     blocks: [Vec<RowBlock>; 2],
 }

@@ -4,8 +4,6 @@ mod look;
 mod package;
 mod parts;
 
-use std::io::Write;
-
 use self::look::{TriangleMaterials, color, escaped};
 use self::package::{Package, overhead};
 use self::parts::{MAX_PARTS, MeshParts, PART_TRIANGLE_BYTES, PART_VERTEX_BYTES};
@@ -26,7 +24,6 @@ use crate::shape::attachments::Attachments;
 use crate::shape::coordinate_system::{Unit, Up};
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
-use crate::watch::Watch;
 
 /// The option of objects.
 const PARTS: Parameter = Parameter::choice(
@@ -86,13 +83,7 @@ impl Format for ThreeMf {
         if options.choice(PARTS.name) == Some(COMPONENTS) { &[] } else { &[Tile::Quad, Tile::Triangle] }
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         let Shape::Mesh(mesh) = scene.shape else {
             return Err(FormatError::Unfit("3mf holds triangles only; ask for json or obj".into()));
         };
@@ -102,12 +93,12 @@ impl Format for ThreeMf {
             ));
         }
         let [types, relations, model] = PACKAGE_NAMES;
-        let mut package = Package::new(out);
+        let mut package = Package::new(stream.out);
         package.file(types, |out| Ok::<_, FormatError>(out.write_all(TYPES.as_bytes())?))?;
         package.file(relations, |out| Ok::<_, FormatError>(out.write_all(RELATIONS.as_bytes())?))?;
         let has_components = options.choice(PARTS.name) == Some(COMPONENTS);
         package.file(model, |out| {
-            write_model(mesh, scene.coordinate_system, has_components, &mut Stream::new(out, watch), watch)
+            write_model(mesh, scene.coordinate_system, has_components, &mut Stream::new(out, stream.watch))
         })?;
         Ok(package.finish()?)
     }
@@ -167,7 +158,6 @@ fn write_model(
     CoordinateSystem { unit, up }: CoordinateSystem,
     has_components: bool,
     stream: &mut Stream<'_>,
-    watch: &Watch,
 ) -> Result<(), FormatError> {
     let unit = match unit {
         Unit::Metre => "meter",
@@ -184,7 +174,7 @@ fn write_model(
     stream.bytes(head.as_bytes())?;
     let looks = TriangleMaterials::of(mesh);
     looks.resources(stream)?;
-    let n = if has_components { write_parts(mesh, looks, stream, watch)? } else { write_one(mesh, looks, stream)? };
+    let n = if has_components { write_parts(mesh, looks, stream)? } else { write_one(mesh, looks, stream)? };
     stream.bytes(b"</resources>\n<build>\n")?;
     let upright = if up == Up::Y { UPRIGHT } else { "" };
     for object in 0..n {
@@ -229,10 +219,9 @@ fn write_parts(
     mesh: &dyn MeshSource,
     looks: TriangleMaterials<'_>,
     stream: &mut Stream<'_>,
-    watch: &Watch,
 ) -> Result<usize, FormatError> {
-    let parts = MeshParts::of(mesh, watch)?;
-    let positions = Positions::of_mesh(mesh).within_f32().held(watch)?;
+    let parts = MeshParts::of(mesh, stream.watch)?;
+    let positions = Positions::of_mesh(mesh).within_f32().held(stream.watch)?;
     let groups = &mesh.attachments().groups;
     for (part, (vertices, of_part)) in parts.vertices.iter().zip(&parts.triangles).enumerate() {
         let mut all = of_part.iter().map(|&(_, face)| groups.name(mesh.face_origin(face as usize)));

@@ -6,8 +6,6 @@ mod carried;
 mod names;
 mod tokens;
 
-use std::io::Write;
-
 use self::attributes::{INDENT, On, attribute, comma, corners, entries, faces, numbers};
 use self::cage::UsdaCage;
 use crate::fault::Fault;
@@ -34,7 +32,6 @@ use crate::shape::labels::Labels;
 use crate::shape::looks::Look;
 use crate::shape::mesh::Mesh;
 use crate::shape::tile::Tile;
-use crate::watch::Watch;
 
 /// Maximum number of bytes of everything but lists, and of a group or a material without its list of faces.
 const USDA_FRAME_BYTES: u128 = 4_096;
@@ -76,27 +73,20 @@ impl Format for Usda {
         if with_normals(options) { &[] } else { &[Tile::Quad, Tile::Triangle] }
     }
 
-    fn write(
-        &self,
-        scene: &Scene<'_>,
-        options: &Values,
-        out: &mut dyn Write,
-        watch: &Watch,
-    ) -> Result<(), FormatError> {
+    fn encode(&self, scene: &Scene<'_>, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
         let Shape::Mesh(mesh) = scene.shape else {
             return Err(FormatError::Unfit("usda holds meshes here; ask for json or obj".into()));
         };
-        let mut stream = Stream::new(out, watch);
         stream.bytes(header(scene.coordinate_system).as_bytes())?;
         let cage = cage(scene, mesh, options);
         if let Some(cage) = &cage {
             tell_differences(scene, cage);
-            write_mesh(&cage.source(), Some(cage), &mut stream, watch)?;
+            write_mesh(&cage.source(), Some(cage), stream)?;
         } else {
             of_tags("usda", &mesh.tags()).into_iter().for_each(|sentence| scene.notes.add(sentence));
-            write_polygons(mesh, options, &mut stream, watch)?;
+            write_polygons(mesh, options, stream)?;
         }
-        carried::materials(mesh.attachments(), &mut stream)?;
+        carried::materials(mesh.attachments(), stream)?;
         stream.bytes(b"}\n")
     }
 }
@@ -154,45 +144,30 @@ fn header(CoordinateSystem { unit, up }: CoordinateSystem) -> String {
 }
 
 /// Writes a mesh of polygons, with normals if requested.
-fn write_polygons(
-    mesh: &dyn MeshSource,
-    options: &Values,
-    stream: &mut Stream<'_>,
-    watch: &Watch,
-) -> Result<(), FormatError> {
+fn write_polygons(mesh: &dyn MeshSource, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     if !with_normals(options) {
-        return write_mesh(mesh, None, stream, watch);
+        return write_mesh(mesh, None, stream);
     }
-    begin(mesh, None, stream, watch)?;
-    write_normals(mesh, stream, watch)?;
+    begin(mesh, None, stream)?;
+    write_normals(mesh, stream)?;
     end(mesh, stream)
 }
 
 /// Writes a mesh without normals.
-fn write_mesh(
-    mesh: &dyn MeshSource,
-    cage: Option<&UsdaCage<'_>>,
-    stream: &mut Stream<'_>,
-    watch: &Watch,
-) -> Result<(), FormatError> {
-    begin(mesh, cage, stream, watch)?;
+fn write_mesh(mesh: &dyn MeshSource, cage: Option<&UsdaCage<'_>>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    begin(mesh, cage, stream)?;
     end(mesh, stream)
 }
 
 /// Writes the mesh up to its attachments.
-fn begin(
-    mesh: &dyn MeshSource,
-    cage: Option<&UsdaCage<'_>>,
-    stream: &mut Stream<'_>,
-    watch: &Watch,
-) -> Result<(), FormatError> {
+fn begin(mesh: &dyn MeshSource, cage: Option<&UsdaCage<'_>>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     let materials = &mesh.attachments().materials;
     let binds = (!materials.is_empty()).then(|| "prepend apiSchemas = [\"MaterialBindingAPI\"]".to_owned());
     carried::prim("Mesh", "mesh", binds.into_iter(), "    ", stream)?;
     let is_one_sided = mesh.attachments().looks.iter().any(|look: &Look| look.double_sided == Some(false));
     stream.bytes(format!("{INDENT}uniform bool doubleSided = {}\n", u8::from(!is_one_sided)).as_bytes())?;
     let positions = Positions::of_mesh(mesh).within_f32();
-    let bounds = positions.bounds(watch)?;
+    let bounds = positions.bounds(stream.watch)?;
     if !bounds.is_empty() {
         attribute("float3[] extent", On::Untold, stream, |stream| {
             let ends = [bounds.min, bounds.max];
@@ -241,7 +216,8 @@ fn write_tags(tags: &CreaseTags, stream: &mut Stream<'_>) -> Result<(), FormatEr
 }
 
 /// Writes normals, which differ on the sides of sharp edges.
-fn write_normals(mesh: &dyn MeshSource, stream: &mut Stream<'_>, watch: &Watch) -> Result<(), FormatError> {
+fn write_normals(mesh: &dyn MeshSource, stream: &mut Stream<'_>) -> Result<(), FormatError> {
+    let watch = stream.watch;
     let split_vertices = SplitVertices::of(Shape::Mesh(mesh), &HardEdges::default(), watch)?;
     let sides = split_vertices.as_ref().map_or(mesh, |split_vertices| split_vertices);
     let normals = normals::of(sides, Positions::of_mesh(sides).held(watch)?.rows(), watch)?;

@@ -118,8 +118,10 @@ fn letters_are_text_or_outlines() {
 fn texts_stay_in_their_elements() {
     let attack = "</text></title><script>alert('1')</script>\" onload=\"x";
     let label = Label::plain(attack, FontWeight::Regular).expect("it can be set");
-    let mut item = DrawingItem::text("label", label, [5.0, 20.0], 12.0, [0, 0, 0, 255]);
-    item.title = attack.into();
+    let (anchor, level) = (HorizontalAlign::Start, VerticalAlign::Baseline);
+    let (at, color) = ([5.0, 20.0], [0, 0, 0, 255]);
+    let text_item = Text { label, at, size_px: 12.0, anchor, level, turn_deg: 0.0, color };
+    let item = DrawingItem::new("label", Mark::Text(text_item)).titled(attack);
     let drawing = Drawing { size: [300, 40], background: [0; 4], title: attack.into(), items: vec![item] };
     let [svg, _] = written(&drawing, Lettering::Text);
     let svg = text(&svg);

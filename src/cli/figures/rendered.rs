@@ -110,7 +110,7 @@ fn pictures<'a>(path: &Path, outputs: impl Iterator<Item = (&'static dyn Format,
 }
 
 /// Returns a part of a path as text.
-fn part(of: Option<&OsStr>) -> String {
+pub(super) fn part(of: Option<&OsStr>) -> String {
     of.unwrap_or_default().to_string_lossy().into_owned()
 }
 

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::compare::{FigureDifference, output_of, side_by_side};
 use super::manifest::{Entry, FigureManifest, put};
-use super::rendered::{Rendered, admitted, load, names, render};
+use super::rendered::{Rendered, admitted, load, names, part, render};
 use super::report;
 use crate::cli::error::CliError;
 use crate::cli::inputs::InputSource;
@@ -75,8 +75,12 @@ impl FigureOptions {
         let progress = progress.into_inner().unwrap_or_else(PoisonError::into_inner);
         if self.check {
             let ended = progress.end("inputs checked");
-            let failed: Vec<String> =
-                jobs.iter().zip(outcomes).filter(|(_, is_whole)| !is_whole).map(|(path, _)| file_name(path)).collect();
+            let failed: Vec<String> = jobs
+                .iter()
+                .zip(outcomes)
+                .filter(|(_, is_whole)| !is_whole)
+                .map(|(path, _)| part(path.file_name()))
+                .collect();
             return match (self.checked(&known, made, &failed), ended) {
                 (outcome, Ok(())) => outcome,
                 (Ok(()), refused) => refused,
@@ -168,11 +172,6 @@ impl FigureOptions {
     }
 }
 
-/// Returns the name of a file, as the manifest has it.
-fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
 /// Returns the jobs of a folder, sorted by name.
 fn jobs(folder: &Path) -> Result<Vec<PathBuf>, CliError> {
     let cannot = |error: std::io::Error| CliError::files(format!("cannot read {}: {error}", folder.display()));
@@ -197,7 +196,7 @@ fn check_names(jobs: &[PathBuf]) -> Result<(), CliError> {
     for (job, name) in jobs.iter().zip(all).flat_map(|(job, names)| names.into_iter().map(move |name| (job, name))) {
         // A job whose own outputs have one name is refused with its other faults.
         if let Some(other) = seen.insert(name.clone(), job).filter(|other| *other != job.as_path()) {
-            let (other, job) = (file_name(other), file_name(job));
+            let (other, job) = (part(other.file_name()), part(job.file_name()));
             let detail = format!("{other} and {job} both make {name}; rename one of them; nothing was rendered");
             return Err(CliError::usage(detail));
         }

@@ -19,13 +19,15 @@ pub(super) const POINTS_A_PIXEL: f32 = 0.75;
 /// The content of the page, with the resources that it needs.
 pub(super) struct PdfPage<'a> {
     /// The drawing operators.
-    pub(super) content: Vec<u8>,
+    pub(super) content: Content,
     /// The pictures, by index.
     pub(super) pictures: Vec<&'a Picture>,
     /// The opacities other than fully opaque.
     pub(super) alphas: BTreeSet<u8>,
     /// The weights of the font.
     pub(super) fonts: [PdfFont; 2],
+    lettering: Lettering,
+    watch: &'a Watch,
 }
 
 /// Returns the name of a picture within the page.
@@ -41,7 +43,7 @@ pub(super) fn alpha_name(alpha: u8) -> String {
 impl<'a> PdfPage<'a> {
     /// Draws all items.
     pub(super) fn of(drawing: &'a Drawing, lettering: Lettering, watch: &'a Watch) -> Result<Self, DrawError> {
-        let mut artist = PdfPainter {
+        let mut page = Self {
             content: Content::new(),
             pictures: Vec::new(),
             alphas: BTreeSet::new(),
@@ -51,26 +53,16 @@ impl<'a> PdfPage<'a> {
         };
         #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels a side")]
         let [width, height] = drawing.size.map(|side| side as f32);
-        artist.content.transform([POINTS_A_PIXEL, 0.0, 0.0, -POINTS_A_PIXEL, 0.0, POINTS_A_PIXEL * height]);
-        artist.content.set_line_join(LineJoinStyle::RoundJoin);
+        page.content.transform([POINTS_A_PIXEL, 0.0, 0.0, -POINTS_A_PIXEL, 0.0, POINTS_A_PIXEL * height]);
+        page.content.set_line_join(LineJoinStyle::RoundJoin);
         if drawing.background[3] > 0 {
-            artist.filled(drawing.background, |content| {
+            page.filled(drawing.background, |content| {
                 content.rect(0.0, 0.0, width, height);
             });
         }
-        artist.items(&drawing.items)?;
-        let PdfPainter { content, pictures, alphas, fonts, .. } = artist;
-        Ok(Self { content: content.finish().into_vec(), pictures, alphas, fonts })
+        page.items(&drawing.items)?;
+        Ok(page)
     }
-}
-
-struct PdfPainter<'a> {
-    content: Content,
-    pictures: Vec<&'a Picture>,
-    alphas: BTreeSet<u8>,
-    fonts: [PdfFont; 2],
-    lettering: Lettering,
-    watch: &'a Watch,
 }
 
 /// Rounds a length to hundredths of a pixel, to keep the file short.
@@ -78,7 +70,7 @@ fn short(x: f32) -> f32 {
     (x * 100.0).round() / 100.0
 }
 
-impl<'a> PdfPainter<'a> {
+impl<'a> PdfPage<'a> {
     fn items(&mut self, items: &'a [DrawingItem]) -> Result<(), DrawError> {
         for item in items {
             self.watch.check()?;

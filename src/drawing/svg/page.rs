@@ -54,14 +54,13 @@ impl<'a> SvgPage<'a> {
     }
 
     pub(super) fn run(&mut self, run: &[Point]) {
-        for (i, [x, y]) in run.iter().enumerate() {
+        for (i, point) in run.iter().enumerate() {
             let before = match i {
                 0 => "M",
                 1 => "L",
                 _ => " ",
             };
-            self.number(before, *x);
-            self.number(" ", *y);
+            self.point(before, *point);
         }
     }
 
@@ -77,6 +76,12 @@ impl<'a> SvgPage<'a> {
             self.number(&format!(" {name}-opacity=\""), f32::from(a) / 255.0);
             self.text.push('"');
         }
+    }
+
+    /// Appends `before`, then the two coordinates, rounded to hundredths.
+    pub(super) fn point(&mut self, before: &str, [x, y]: Point) {
+        self.number(before, x);
+        self.number(" ", y);
     }
 
     /// Appends `before`, then the value rounded to hundredths, without trailing zeros.

@@ -6,6 +6,7 @@ use gltf::json::buffer::View;
 use gltf::json::validation::Checked::Valid;
 
 use super::buffers::GltfDocument;
+use crate::input::collect::whole;
 use crate::input::room::MemoryBudget;
 
 /// Bytes of a number.
@@ -193,10 +194,4 @@ fn value(bytes: &[u8], component: ComponentType, normalized: bool) -> f64 {
         ComponentType::F32 => return f32::from_le_bytes(four()).into(),
     };
     if normalized { (x / full).max(-1.0) } else { x }
-}
-
-/// Converts a non-negative whole number below 2^32, as all indices are.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and below 2^32")]
-fn whole(x: f64) -> Option<u32> {
-    (x >= 0.0 && x <= f64::from(u32::MAX) && x.fract() == 0.0).then_some(x as u32)
 }

@@ -13,12 +13,9 @@ use super::accessor::AccessorRows;
 use super::buffers::GltfDocument;
 use crate::input::reader::ReadMesh;
 use crate::input::room::{GROWN, MemoryBudget};
-use crate::input::text::quoted;
+use crate::input::text::{MAX_NOTED_NAMES, first_names, quoted};
 use crate::shape::attachments::{COLOR_CHANNEL, ChannelInput, ORIGIN};
 use crate::shape::labels::FaceSet;
-
-/// Maximum number of attributes or extensions that a note names.
-pub(super) const MAX_NOTED_NAMES: usize = 8;
 
 /// Returns the channel name of an application-specific attribute: `_HEAT` becomes `heat`. glTF permits upper case only,
 /// so the name is made lower case, unless it would then be that of the colour.
@@ -46,16 +43,9 @@ impl UnreadAttributes {
 
     /// Adds a note that names the attributes.
     pub(super) fn finish(self, mesh: &mut ReadMesh) {
-        let n = self.found.len();
-        let first: Vec<String> = self
-            .found
-            .into_iter()
-            .take(MAX_NOTED_NAMES)
-            .map(|(name, primitives)| format!("{name} ({primitives})"))
-            .collect();
-        if n > 0 {
-            let more = if n > MAX_NOTED_NAMES { ", ..." } else { "" };
-            mesh.notes.push(format!("attributes of primitives are left out: {}{more}", first.join(", ")));
+        if !self.found.is_empty() {
+            let names = self.found.into_iter().map(|(name, primitives)| format!("{name} ({primitives})"));
+            mesh.notes.push(format!("attributes of primitives are left out: {}", first_names(names)));
         }
     }
 }

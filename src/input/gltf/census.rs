@@ -44,78 +44,67 @@ struct Prices {
     members: usize,
 }
 
-/// Returns the prices of a list at the root; the parser skips unknown lists, which are free.
-fn prices(list: &[u8]) -> Prices {
-    let none = Prices { members: MAX_JSON_DEPTH, ..Prices::default() };
-    let of = |size: usize| Prices { entry: GROWN * size, ..none };
-    let slot = size_of::<usize>();
-    match list {
-        // includes its text, its placement, and whether it was visited
-        b"nodes" => {
-            let entry = size_of::<Node>() + 2 * slot + size_of::<Option<Box<Placement>>>();
-            Prices { list: size_of::<Placement>() + 4, value: GROWN * 4, ..of(entry + slot) }
-        }
-        b"accessors" => {
-            let (list, value) = (size_of::<Value>(), GROWN * size_of::<Value>());
-            Prices { list, value, member: value + 2 * MAP_NODE_BYTES / 5, members: 5, ..of(size_of::<Accessor>()) }
-        }
-        b"meshes" => {
-            let list = size_of::<Primitive>();
-            let (object, member) = (GROWN * list + 2 * MAP_ENTRY_BYTES, 2 * MAP_ENTRY_BYTES);
-            Prices {
-                list,
-                value: GROWN * 4,
-                object,
-                inner: MAP_NODE_BYTES,
-                member,
-                members: 6,
-                ..of(size_of::<Mesh>())
-            }
-        }
-        b"animations" => {
-            let part = size_of::<Channel>().max(size_of::<Sampler>());
-            Prices { list: part, object: GROWN * part, ..of(size_of::<Animation>()) }
-        }
-        b"buffers" => of(size_of::<Buffer>() + 3 * slot),
-        // includes its text and its decoded bytes
-        b"bufferViews" => of(size_of::<View>() + 2 * slot + MAP_ENTRY_BYTES),
-        b"cameras" => of(size_of::<Camera>()),
-        b"images" => of(size_of::<Image>()),
-        b"materials" => of(size_of::<Material>()),
-        b"samplers" => of(size_of::<texture::Sampler>()),
-        b"scenes" => Prices { value: GROWN * 4, ..of(size_of::<Scene>()) },
-        b"skins" => Prices { value: GROWN * 4, ..of(size_of::<Skin>()) },
-        b"textures" => of(size_of::<Texture>()),
-        b"extensionsUsed" | b"extensionsRequired" => of(size_of::<String>()),
-        _ => none,
-    }
+/// The prices of a list that the parser does not know, which it skips.
+const FREE: Prices = Prices { entry: 0, list: 0, value: 0, object: 0, inner: 0, member: 0, members: MAX_JSON_DEPTH };
+
+const fn entries(size: usize) -> Prices {
+    Prices { entry: GROWN * size, ..FREE }
 }
 
-/// The lists at the root that the parser knows.
-const LISTS: &[&str] = &[
-    "nodes",
-    "accessors",
-    "meshes",
-    "animations",
-    "buffers",
-    "bufferViews",
-    "cameras",
-    "images",
-    "materials",
-    "samplers",
-    "scenes",
-    "skins",
-    "textures",
-    "extensionsUsed",
-    "extensionsRequired",
+/// Bytes of a node: includes its text, its placement, and whether it was visited.
+const NODE_BYTES: usize = size_of::<Node>() + 3 * SLOT + size_of::<Option<Box<Placement>>>();
+const SLOT: usize = size_of::<usize>();
+const VALUE_BYTES: usize = GROWN * size_of::<Value>();
+/// Bytes of a channel or a sampler of an animation.
+const PART_BYTES: usize =
+    if size_of::<Channel>() > size_of::<Sampler>() { size_of::<Channel>() } else { size_of::<Sampler>() };
+
+/// The lists at the root that the parser knows, with their prices.
+const PRICES: &[(&str, Prices)] = &[
+    ("nodes", Prices { list: size_of::<Placement>() + 4, value: GROWN * 4, ..entries(NODE_BYTES) }),
+    (
+        "accessors",
+        Prices {
+            list: size_of::<Value>(),
+            value: VALUE_BYTES,
+            member: VALUE_BYTES + 2 * MAP_NODE_BYTES / 5,
+            members: 5,
+            ..entries(size_of::<Accessor>())
+        },
+    ),
+    (
+        "meshes",
+        Prices {
+            list: size_of::<Primitive>(),
+            value: GROWN * 4,
+            object: GROWN * size_of::<Primitive>() + 2 * MAP_ENTRY_BYTES,
+            inner: MAP_NODE_BYTES,
+            member: 2 * MAP_ENTRY_BYTES,
+            members: 6,
+            ..entries(size_of::<Mesh>())
+        },
+    ),
+    ("animations", Prices { list: PART_BYTES, object: GROWN * PART_BYTES, ..entries(size_of::<Animation>()) }),
+    ("buffers", entries(size_of::<Buffer>() + 3 * SLOT)),
+    // includes its text and its decoded bytes
+    ("bufferViews", entries(size_of::<View>() + 2 * SLOT + MAP_ENTRY_BYTES)),
+    ("cameras", entries(size_of::<Camera>())),
+    ("images", entries(size_of::<Image>())),
+    ("materials", entries(size_of::<Material>())),
+    ("samplers", entries(size_of::<texture::Sampler>())),
+    ("scenes", Prices { value: GROWN * 4, ..entries(size_of::<Scene>()) }),
+    ("skins", Prices { value: GROWN * 4, ..entries(size_of::<Skin>()) }),
+    ("textures", entries(size_of::<Texture>())),
+    ("extensionsUsed", entries(size_of::<String>())),
+    ("extensionsRequired", entries(size_of::<String>())),
 ];
 
 /// Returns the prices of a list by its name in the text; a name with escapes gets the maximum of all prices.
 fn prices_as_written(name: &[u8]) -> Prices {
     if !name.contains(&b'\\') {
-        return prices(name);
+        return PRICES.iter().find(|(known, _)| known.as_bytes() == name).map_or(FREE, |(_, prices)| *prices);
     }
-    let dearest = |a: Prices, b: Prices| Prices {
+    let dearest = |a: Prices, (_, b): &(&str, Prices)| Prices {
         entry: a.entry.max(b.entry),
         list: a.list.max(b.list),
         value: a.value.max(b.value),
@@ -124,7 +113,7 @@ fn prices_as_written(name: &[u8]) -> Prices {
         member: a.member.max(b.member),
         members: a.members.min(b.members),
     };
-    LISTS.iter().map(|list| prices(list.as_bytes())).fold(prices(b""), dearest)
+    PRICES.iter().fold(FREE, dearest)
 }
 
 /// The state of the count.
@@ -244,6 +233,6 @@ impl GltfCensus<'_> {
             self.largest = (self.name, self.entries, self.bytes);
         }
         self.all = self.all.saturating_add(self.bytes);
-        (self.prices, self.entries, self.bytes) = (Prices { members: MAX_JSON_DEPTH, ..Prices::default() }, 0, 0);
+        (self.prices, self.entries, self.bytes) = (FREE, 0, 0);
     }
 }

@@ -8,12 +8,11 @@ use gltf::json::texture::{Info, MagFilter, MinFilter, Sampler, WrappingMode};
 use gltf::json::validation::Checked::{self, Valid};
 
 use super::buffers::GltfDocument;
-use super::carried::MAX_NOTED_NAMES;
 use super::packed::PACKED;
 use crate::input::colors::encoded;
 use crate::input::reader::ReadMesh;
 use crate::input::room::MemoryBudget;
-use crate::input::text::quoted;
+use crate::input::text::{first_names, quoted};
 use crate::shape::attachments::COLOR_CHANNEL;
 use crate::shape::labels::FaceSet;
 use crate::shape::looks::{Alpha, DEFAULT_COLOR, Look, PLAIN_SURFACE};
@@ -57,10 +56,9 @@ pub(super) fn finish(
         .filter(|name| !READ_EXTENSIONS.contains(&name.as_str()))
         .partition(|name| LOOK_EXTENSIONS.iter().any(|part| name.contains(part)));
     for (what, names) in [("extensions of materials", of_looks), ("extensions", others)] {
-        let named: Vec<String> = names.iter().take(MAX_NOTED_NAMES).map(|name| quoted(name)).collect();
-        if !named.is_empty() {
-            let more = if names.len() > MAX_NOTED_NAMES { ", ..." } else { "" };
-            mesh.notes.push(format!("{what} are left out: {}{more}", named.join(", ")));
+        if !names.is_empty() {
+            let names = first_names(names.into_iter().map(|name| quoted(name)));
+            mesh.notes.push(format!("{what} are left out: {names}"));
         }
     }
 }

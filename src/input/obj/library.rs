@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::input::beside::Beside;
-use crate::input::text::{number, numbers, quoted, text, without_comment};
+use crate::input::text::{MAX_NOTED_NAMES, first_names, number, numbers, quoted, text, without_comment};
 use crate::shape::labels::FaceSet;
 use crate::shape::looks::Look;
 use crate::shape::textures::{Image, Texture, Wrap};
@@ -15,9 +15,6 @@ use crate::shape::textures::{Image, Texture, Wrap};
 /// Maximum number of bytes of a library, and of a picture. Half of it would refuse pictures that cameras make; twice of
 /// it adds nothing visible to a surface.
 const MAX_LIBRARY_BYTES: u64 = 64 << 20;
-
-/// Maximum number of names that a note lists.
-const MAX_LISTED: usize = 8;
 
 /// Options of a picture statement, with the maximum number of arguments of each.
 const PICTURE_OPTIONS: &[(&str, usize)] = &[
@@ -119,15 +116,14 @@ impl MaterialLibrary {
         if self.is_none {
             notes.push("how materials look is not told: the file names no library (mtllib), only materials".to_owned());
         } else if !unknown.is_empty() && self.notes.is_empty() {
-            let (n, first) = (unknown.len(), unknown[..unknown.len().min(MAX_LISTED)].join(", "));
-            let more = if n > MAX_LISTED { ", ..." } else { "" };
-            notes.push(format!("how {n} materials look is not told, as no library has them: {first}{more}"));
+            let (n, first) = (unknown.len(), first_names(unknown.into_iter()));
+            notes.push(format!("how {n} materials look is not told, as no library has them: {first}"));
         }
         notes.append(&mut self.notes);
         if !self.left_out.is_empty() {
-            let listed = self.left_out.iter().take(MAX_LISTED).map(|(what, n)| format!("{what} ({n})"));
+            let listed = self.left_out.iter().take(MAX_NOTED_NAMES).map(|(what, n)| format!("{what} ({n})"));
             let listed: Vec<String> = listed.collect();
-            let more = if self.left_out.len() > MAX_LISTED { ", and more" } else { "" };
+            let more = if self.left_out.len() > MAX_NOTED_NAMES { ", and more" } else { "" };
             notes.push(format!("what libraries say of materials beyond this is left out: {}{more}", listed.join(", ")));
         }
         looks

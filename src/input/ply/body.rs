@@ -1,6 +1,7 @@
 //! Readers of the values in the body of a PLY file, as text or binary.
 
 use super::header::{Element, PlyProperty, Scalar};
+use crate::input::collect::whole;
 use crate::input::text::{Words, at_line, count, quoted};
 
 /// A source of the values of a PLY body in file order.
@@ -33,8 +34,7 @@ pub(super) trait Body {
         let n = self.index(sizes)?;
         let room = self.room(kind);
         if n > room {
-            let detail = format!("{}: a list of {n} numbers; the file has room for {room} more", self.place());
-            return Err(detail);
+            return Err(format!("{}: a list of {n} numbers; the file has room for {room} more", self.place()));
         }
         Ok(n)
     }
@@ -58,8 +58,7 @@ pub(super) trait Body {
         let rows = kinds.map(|kind| self.room(kind)).min().unwrap_or(u64::MAX);
         if element.count > rows {
             let (name, n) = (quoted(&element.name), element.count);
-            let detail = format!("{}: {n} rows of {name}; the file has room for {rows} at most", self.place());
-            return Err(detail);
+            return Err(format!("{}: {n} rows of {name}; the file has room for {rows} at most", self.place()));
         }
         Ok(())
     }
@@ -164,14 +163,10 @@ impl Body for Binary<'_> {
         })
     }
 
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole and below 2^32")]
     fn index(&mut self, kind: Scalar) -> Result<u64, String> {
         let at = self.at;
         let found = self.scalar(kind)?;
-        if found >= 0.0 && found <= f64::from(u32::MAX) && found.fract() == 0.0 {
-            return Ok(found as u64);
-        }
-        Err(format!("byte {at}: {found} is no whole number of at least 0"))
+        whole(found).map(u64::from).ok_or_else(|| format!("byte {at}: {found} is no whole number of at least 0"))
     }
 
     fn room(&self, kind: Scalar) -> u64 {

@@ -49,8 +49,7 @@ pub(super) fn built(mut model: ThreeMfModel, mut room: MemoryBudget, limits: &Re
         let free = model.objects.keys().filter(|id| !inside.contains(id));
         items = free.map(|&object| PlacedObject { object, transform: Transform::IDENTITY }).collect();
     }
-    let (mut starts, mut colors) = (BTreeMap::new(), Vec::new());
-    collect_colors(&model, &mut room, &mut starts, &mut colors)?;
+    let (starts, colors) = collect_colors(&model, &mut room)?;
     let mut building = Building {
         model: &model,
         mesh: MeshBuilder::new(limits),
@@ -115,13 +114,12 @@ struct Building<'a> {
     degenerate: usize,
 }
 
+/// For each group of colours the index of its first one, and the colours of all groups.
+type GroupColors = (BTreeMap<u32, u32>, Vec<[f64; 4]>);
+
 /// Collects the colours of all groups, and for each group the index of its first colour.
-fn collect_colors(
-    model: &ThreeMfModel,
-    room: &mut MemoryBudget,
-    starts: &mut BTreeMap<u32, u32>,
-    colors: &mut Vec<[f64; 4]>,
-) -> Result<(), String> {
+fn collect_colors(model: &ThreeMfModel, room: &mut MemoryBudget) -> Result<GroupColors, String> {
+    let (mut starts, mut colors) = (BTreeMap::new(), Vec::new());
     for (&id, group) in &model.looks {
         if let (Ok(id), LookGroup::Colors(all)) = (u32::try_from(id), group) {
             room.take(COLOR_GROUP_BYTES + GROWN * GROUP_COLOR_BYTES * all.len())?;
@@ -129,11 +127,7 @@ fn collect_colors(
             colors.extend(all.iter().map(|color| color.map(|byte| f64::from(byte) / 255.0)));
         }
     }
-    Ok(())
-}
-
-fn same(a: &[f64; 4], b: &[f64; 4]) -> bool {
-    a.map(f64::to_bits) == b.map(f64::to_bits)
+    Ok((starts, colors))
 }
 
 impl Building<'_> {
@@ -276,7 +270,7 @@ fn channel(
     let mut agree = true;
     for (&v, &number) in mesh.faces.vertices().iter().zip(&of_corners) {
         let known = *of_vertices[v as usize].get_or_insert(color(number));
-        agree &= same(&known, &color(number));
+        agree &= known.map(f64::to_bits) == color(number).map(f64::to_bits);
     }
     if agree {
         let values =

@@ -1,7 +1,7 @@
 //! One mesh: its points and faces, and its subdivision tags.
 
 use super::tree::Prim;
-use crate::input::collect::MeshBuilder;
+use crate::input::collect::{MeshBuilder, whole};
 use crate::input::room::{GROWN, MemoryBudget};
 use crate::input::text::quoted;
 use crate::input::transform::Transform;
@@ -29,20 +29,13 @@ pub(super) struct MeshRanges {
 /// Converts a number to an index below `n`; `what` names the number in messages.
 pub(super) fn below(x: f64, n: usize, what: &str) -> Result<u32, String> {
     let refused = || format!("{what}: {x} is no whole number below {n}");
-    let whole = u32::try_from(whole(x).ok_or_else(refused)?).ok();
-    whole.filter(|&k| (k as usize) < n).ok_or_else(refused)
+    whole(x).filter(|&k| (k as usize) < n).ok_or_else(refused)
 }
 
 /// Converts the number of indices of a face or crease, which is at most the number of indices left.
 fn taken(x: f64, left: usize, what: &str) -> Result<usize, String> {
     let refused = |_| format!("{what}: {x} indices of {left} that are left; give so many, or another number");
     below(x, left + 1, what).map(|n| n as usize).map_err(refused)
-}
-
-/// Converts a number to a count.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is a whole number below 2^32")]
-fn whole(x: f64) -> Option<u64> {
-    (x >= 0.0 && x.fract() == 0.0 && x <= f64::from(u32::MAX)).then_some(x as u64)
 }
 
 /// Adds the points and faces of a mesh.

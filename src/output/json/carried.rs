@@ -3,14 +3,14 @@
 use serde_json::Value;
 
 use super::looks;
-use super::row::{faces, row, vectors};
+use super::row::{comma, faces, row, vectors};
 use crate::math::parameter::Values;
 use crate::output::bytes::Bytes;
 use crate::output::counts::Counts;
 use crate::output::error::FormatError;
 use crate::output::numbers::{REAL_BYTES, digits, real, total, whole};
 use crate::output::options::{IDS, ISOLINES};
-use crate::output::scene::MeshSource;
+use crate::output::scene::{MeshSource, labelled_ranges};
 use crate::output::stream::Stream;
 use crate::shape::attachments::Channel;
 use crate::shape::creases::CreaseTags;
@@ -128,9 +128,7 @@ fn rows(start: usize, numbers: &[f64], width: usize, out: &mut Bytes) {
     }
     out.append(|out| {
         for (place, &x) in (start..).zip(numbers) {
-            if place > 0 {
-                out.push(b',');
-            }
+            comma(place, out);
             real(out, x);
         }
     });
@@ -165,9 +163,7 @@ fn write_sharp<T: Sync>(
     }
     stream.bytes(format!(r#","{name}":["#).as_bytes())?;
     stream.each(0..entries.len(), |i, out| {
-        if i > 0 {
-            out.push(b',');
-        }
+        comma(i, out);
         let sharpness = place(&entries[i], out);
         out.extend_from_slice(br#","sharpness":"#);
         real(out, sharpness);
@@ -190,15 +186,7 @@ fn write_labels(
     looks: &[Look],
     stream: &mut Stream<'_>,
 ) -> Result<(), FormatError> {
-    let mut ranges = vec![Vec::new(); labels.names.len()];
-    for face in 0..mesh.input_cells()[2] {
-        let range = mesh.faces_of(face);
-        let label = u32::try_from(face).ok().and_then(|face| labels.number(face));
-        if let Some(label) = label.filter(|_| !range.is_empty()) {
-            ranges[label].push(range);
-        }
-    }
-    for (i, (name, ranges)) in labels.names.iter().zip(ranges).enumerate() {
+    for (i, (name, ranges)) in labels.names.iter().zip(labelled_ranges(mesh, labels)).enumerate() {
         let comma = if i > 0 { "," } else { "" };
         stream.bytes(format!("{comma}{{\"name\":{},\"faces\":[", Value::from(name.as_str())).as_bytes())?;
         let first = ranges.first().map(|range| range.start);

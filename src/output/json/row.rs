@@ -7,11 +7,16 @@ use crate::output::text::RowStyle;
 /// A list with a comma before it, which the caller removes from the first list.
 const LIST_ROW: RowStyle = RowStyle { start: b",", open: b'[', between: b',', end: b"]" };
 
-/// Appends a list to a list of lists, with a comma before all but the first.
-pub(super) fn row(index: usize, out: &mut Vec<u8>, items: impl FnOnce(&mut Vec<u8>)) {
+/// Appends a comma before all but the first entry of a list.
+pub(super) fn comma(index: usize, out: &mut Vec<u8>) {
     if index > 0 {
         out.push(b',');
     }
+}
+
+/// Appends a list to a list of lists, with a comma before all but the first.
+pub(super) fn row(index: usize, out: &mut Vec<u8>, items: impl FnOnce(&mut Vec<u8>)) {
+    comma(index, out);
     out.push(b'[');
     items(out);
     out.push(b']');

@@ -9,7 +9,6 @@ use crate::output::positions::Positions;
 use crate::output::scene::MeshSource;
 use crate::output::sections::{Polyline, planes, section};
 use crate::output::stream::Stream;
-use crate::watch::Watch;
 
 /// Returns the maximum number of bytes of the entry: each triangle gives at most one segment for each plane, and each
 /// segment may be a polyline of its own.
@@ -23,21 +22,16 @@ pub(super) fn size(counts: &Counts, options: &Values) -> u128 {
 }
 
 /// Writes the entry after a comma, if sections are requested.
-pub(super) fn write(
-    mesh: &dyn MeshSource,
-    options: &Values,
-    stream: &mut Stream<'_>,
-    watch: &Watch,
-) -> Result<(), FormatError> {
+pub(super) fn write(mesh: &dyn MeshSource, options: &Values, stream: &mut Stream<'_>) -> Result<(), FormatError> {
     let planes = planes(options);
     if planes.is_empty() {
         return Ok(());
     }
-    let positions = Positions::of_mesh(mesh).held(watch)?;
+    let positions = Positions::of_mesh(mesh).held(stream.watch)?;
     stream.bytes(br#","sections":["#)?;
     for (i, plane) in planes.iter().enumerate() {
         stream.bytes(if i > 0 { b",[" } else { b"[" })?;
-        for (j, polyline) in section(mesh, positions.rows(), plane, watch)?.iter().enumerate() {
+        for (j, polyline) in section(mesh, positions.rows(), plane, stream.watch)?.iter().enumerate() {
             stream.bytes(if j > 0 { b"," } else { b"" })?;
             write_polyline(polyline, stream)?;
         }

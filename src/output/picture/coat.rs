@@ -12,7 +12,8 @@ use crate::output::color_maps::ColorMap;
 use crate::output::colors::{linear, mark};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::error::FormatError;
-use crate::output::scene::{FaceChunk, MeshSource, in_chunks, triangles};
+use crate::output::numbers::rounded;
+use crate::output::scene::{FaceChunk, MeshSource, each_chunk, in_chunks, triangles};
 use crate::raster::{Paint, Swatch, TriangleAppearance};
 use crate::shape::attachments::{Attachments, COLOR_CHANNEL};
 use crate::shape::labels::Labels;
@@ -261,7 +262,7 @@ fn by_channel(mesh: &dyn MeshSource, channel: usize, options: &Values, watch: &W
         let scale = NumberScale::new(&numbers, options, ColorMap::EVEN, |extent| extent);
         return Ok(Coat::numbers(&numbers, corners, scale));
     }
-    let color = |row: &[f64]| std::array::from_fn(|k| single(linear(k, row[k])));
+    let color = |row: &[f64]| std::array::from_fn(|k| rounded(linear(k, row[k])));
     let colors = values.chunks_exact(width).map(color).collect();
     Ok(match corners {
         Some(corners) => Coat::Corners { colors, corners },
@@ -291,7 +292,7 @@ fn by_uvs(mesh: &dyn MeshSource, plain: [u8; 4], watch: &Watch) -> Result<Coat, 
     let Some((mut places, corners)) = places(mesh, watch)? else { return Ok(Coat::Plain(plain)) };
     places.iter_mut().flatten().for_each(|x| *x *= SQUARES_A_UNIT);
     let dark = shown_as(plain);
-    let light = dark.map(|x| single(f64::from(x) + PALE_SHARE * (1.0 - f64::from(x))));
+    let light = dark.map(|x| rounded(f64::from(x) + PALE_SHARE * (1.0 - f64::from(x))));
     Ok(Coat::Squares { places, corners, colors: [light, dark] })
 }
 
@@ -342,10 +343,7 @@ fn by_labels(mesh: &dyn MeshSource, labels: &Labels, plain: [u8; 4], watch: &Wat
 /// Returns for each triangle the value of the input face from which it was refined.
 fn by_origin<T: Copy>(mesh: &dyn MeshSource, color: impl Fn(u32) -> T, watch: &Watch) -> Result<Vec<T>, Stopped> {
     let mut colors = Vec::with_capacity(mesh.n_half_edges().saturating_sub(2 * mesh.n_faces()));
-    let mut faces = FaceChunk::default();
-    in_chunks(mesh.n_faces(), |range| {
-        watch.check()?;
-        mesh.faces(range.clone(), &mut faces);
+    each_chunk(mesh, watch, |range, faces| {
         let mut known = None;
         for (f, face) in range.zip(faces.iter()) {
             let origin = mesh.face_origin(f);
@@ -354,11 +352,6 @@ fn by_origin<T: Copy>(mesh: &dyn MeshSource, color: impl Fn(u32) -> T, watch: &W
             let (_, color) = *known.insert(same.unwrap_or_else(|| (origin, color(origin))));
             colors.extend(std::iter::repeat_n(color, face.len().saturating_sub(2)));
         }
-        Ok(())
     })?;
     Ok(colors)
-}
-
-fn single(x: f64) -> f32 {
-    crate::output::numbers::rounded(x)
 }

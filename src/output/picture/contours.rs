@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::output::hard_edges::edges_of;
 use crate::output::normals;
 use crate::output::scene::{MeshSource, each_face};
 use crate::raster::Camera;
@@ -28,8 +29,7 @@ pub(super) fn contours(
         let number = index(shows_outside.len());
         let upright = normals::area_vector(face, positions, scale);
         shows_outside.push(camera.is_before(positions[face[0] as usize], upright));
-        let next = face.iter().cycle().skip(1);
-        sides.extend(face.iter().zip(next).map(|(&a, &b)| [a.min(b), a.max(b), number]));
+        sides.extend(edges_of(face).map(|[a, b]| [a, b, number]));
     })?;
     sides.par_sort_unstable();
     let is_drawn = |sides: &&[[u32; 3]]| match sides {

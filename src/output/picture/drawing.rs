@@ -2,10 +2,10 @@
 
 use super::comb::{combs, tangents};
 use super::easel::Easel;
-use super::options::{COMB_SCALE, FILL, Options};
+use super::options::{COMB_SCALE, CONTROL_COLOR, FILL, Options, POINT_COLOR};
 use super::plot::{PlotArea, PlotItems};
 use super::styles::{Style, styles};
-use crate::drawing::{Color, Discs, Drawing, DrawingItem, FontWeight, Label, LegendSample, Mark, Point, Stroke};
+use crate::drawing::{Color, Discs, Drawing, DrawingItem, FontWeight, Label, LegendSample, Mark, Point};
 use crate::output::error::FormatError;
 use crate::output::scene::{Curve, Scene, Shape};
 use crate::watch::Watch;
@@ -49,7 +49,7 @@ pub(crate) fn drawing(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -
     if shows("tangents") {
         let runs = tangents(artist.easel, curves, control, artist.side_px, watch)?;
         plot.line(
-            DrawingItem::lines("tangents", runs, artist.stroke(1.8, TANGENT_INK)).titled("tangents"),
+            DrawingItem::lines("tangents", runs, options.stroke(1.8, TANGENT_INK)).titled("tangents"),
             "tangents",
         )?;
     }
@@ -57,7 +57,7 @@ pub(crate) fn drawing(scene: &Scene<'_>, options: &Options<'_>, watch: &Watch) -
         artist.points(curves, 3.1, 0.8, options.color(CURVE_INK), "vertices", &mut plot)?;
     }
     if shows("points") {
-        artist.points(control, 5.2, 1.5, options.point_color(POINT_INK), "points", &mut plot)?;
+        artist.points(control, 5.2, 1.5, options.ink(&POINT_COLOR, POINT_INK), "points", &mut plot)?;
     }
     Ok(sheet.finish(plot, options))
 }
@@ -73,13 +73,9 @@ struct Artist<'a> {
 
 impl Artist<'_> {
     /// Returns a solid stroke `width` units of line width wide.
-    fn stroke(&self, width: f32, color: Color) -> Stroke {
-        Stroke::solid(width * self.options.unit_px() * self.options.line_width(), color)
-    }
-
     fn control(&self, control: &[Curve], plot: &mut PlotItems) -> Result<(), FormatError> {
         let runs = self.easel.runs(control, self.watch)?;
-        let stroke = self.stroke(1.5, self.options.control_color(POLYGON_INK));
+        let stroke = self.options.stroke(1.5, self.options.ink(&CONTROL_COLOR, POLYGON_INK));
         plot.line(DrawingItem::lines("control", runs, stroke).titled("control polygon"), "control polygon")
     }
 
@@ -91,14 +87,15 @@ impl Artist<'_> {
             self.side_px,
             self.watch,
         )?;
-        plot.items.push(DrawingItem::lines("comb", comb.teeth, self.stroke(0.8, COMB)).titled("curvature comb"));
-        let ends = DrawingItem::lines("comb", comb.ends, self.stroke(1.4, COMB_ENDS));
+        plot.items
+            .push(DrawingItem::lines("comb", comb.teeth, self.options.stroke(0.8, COMB)).titled("curvature comb"));
+        let ends = DrawingItem::lines("comb", comb.ends, self.options.stroke(1.4, COMB_ENDS));
         plot.line(ends.titled("curvature comb"), "curvature")
     }
 
     /// Adds the curves, all as one item if they have no styles of their own.
     fn curves(&self, curves: &[Curve], plot: &mut PlotItems) -> Result<(), FormatError> {
-        let stroke = self.stroke(3.4, self.options.color(CURVE_INK));
+        let stroke = self.options.stroke(3.4, self.options.color(CURVE_INK));
         let styles = styles(self.options, stroke.width_px);
         if styles.is_empty() {
             if let Some(color) = self.options.values.color(FILL.name) {

@@ -133,7 +133,7 @@ pub(crate) fn drawing(
     if options.shows(HATCHING, &[]) {
         let ground = HatchedSurface::of(scene, mesh, &found.hard, &camera, watch)?;
         let runs = ground.strokes(&sight, options.size, options.unit_px(), MAX_TESTED_PAIRS - pairs, watch)?;
-        let stroke = artist.stroke(0.7, options.color(THIN_INK));
+        let stroke = options.stroke(0.7, options.color(THIN_INK));
         items.extend((!runs.is_empty()).then(|| DrawingItem::lines(HATCHING, runs, stroke).titled(HATCHING)));
     }
     if options.shows("hidden", &[]) {
@@ -165,7 +165,7 @@ impl EdgePainter<'_> {
         };
         let lines = self.edges.iter().zip(self.hidden).filter(|(edge, _)| self.class(edge) == Some(class));
         let pieces: Vec<_> = lines.flat_map(|(edge, hidden)| self.pieces(edge, rest(hidden))).collect();
-        let stroke = self.stroke(width, self.options.color(color));
+        let stroke = self.options.stroke(width, self.options.color(color));
         let runs = chains(&pieces);
         (!runs.is_empty()).then(|| DrawingItem::lines(name, runs, stroke).titled(name))
     }
@@ -175,7 +175,7 @@ impl EdgePainter<'_> {
         let lines = self.edges.iter().zip(self.hidden);
         let thick = lines.filter(|(edge, _)| !matches!(self.class(edge), Some(Class::Isoline | Class::Wireframe)));
         let pieces: Vec<_> = thick.flat_map(|(edge, hidden)| self.pieces(edge, hidden.clone())).collect();
-        let solid = self.stroke(1.0, HIDDEN_INK);
+        let solid = self.options.stroke(1.0, HIDDEN_INK);
         let unit = solid.width_px;
         let stroke = Stroke { dash: vec![4.0 * unit, 3.0 * unit], cap: Cap::Butt, ..solid };
         DrawingItem::lines("hidden", chains(&pieces), stroke).titled("hidden lines")
@@ -183,10 +183,6 @@ impl EdgePainter<'_> {
 
     fn class(&self, edge: &DrawnEdge) -> Option<Class> {
         edge.drawn_as(|item| self.options.shows(item, DEFAULT_LINE_ITEMS))
-    }
-
-    fn stroke(&self, width: f32, color: Color) -> Stroke {
-        Stroke::solid(width * self.options.unit_px() * self.options.line_width(), color)
     }
 
     fn pieces(&self, edge: &DrawnEdge, parts: LineIntervals) -> impl Iterator<Item = LineSegment> + use<> {

@@ -2,6 +2,7 @@
 //! at the right.
 
 use super::coat;
+use super::look;
 use super::meanings;
 use super::number_scale::{COLOR_BAR, NumberScale};
 use super::options::Options;
@@ -36,7 +37,7 @@ const NAME_MARGIN: f32 = 0.6;
 /// Returns the width in pixels of the legend of a picture of a mesh with the attachments `carried`, or of what is left
 /// free for it; 0 without both. Numbers colour the surface: there is a bar only if `has_surface`.
 pub(crate) fn width(carried: &Attachments, options: &Options<'_>, has_surface: bool) -> u32 {
-    let are_numbers = shading::measure(options.values).is_some() || coat::numbers_of(carried, options.values).is_some();
+    let are_numbers = look::are_numbers(carried, options.values);
     let has_room = options.size.iter().zip(LEAST_LEGEND_PX).all(|(side, least)| *side >= least);
     let is_asked = match options.values.get(COLOR_BAR.name) {
         Value::Flag(asked) => *asked,
@@ -107,7 +108,7 @@ fn bar(scale: NumberScale, [taken, width]: [f32; 2], carried: &Attachments, opti
         [r, g, b, 255]
     };
     // names of channels may contain characters that cannot be typeset
-    let label = Label::parse(&title(carried, options), FontWeight::Regular).ok();
+    let label = title(carried, options).ok();
     let (place, end) = ([BAR_EXTENT[0] * unit, top, BAR_EXTENT[1] * unit, tall], width - EDGE_DISTANCE * unit);
     color_bar(place, ([scale.low, scale.high], scale.beyond), color, label, unit * FONT_SIZES[0], end)
 }
@@ -118,15 +119,16 @@ fn font_px(options: &Options<'_>) -> f32 {
 }
 
 /// Returns the title of the bar: the quantity, with its unit.
-fn title(carried: &Attachments, options: &Options<'_>) -> String {
+fn title(carried: &Attachments, options: &Options<'_>) -> Result<Label, String> {
     let unit = options.coordinate_system.unit.name();
-    match shading::measure(options.values) {
+    let text = match shading::measure(options.values) {
         Some(ShadedQuantity::Gaussian) => format!("Gaussian, 1/{unit}^2"),
         Some(ShadedQuantity::Mean) => format!("mean, 1/{unit}"),
         Some(ShadedQuantity::Distance) => format!("distance, {unit}"),
         None => {
             let name = coat::numbers_of(carried, options.values).unwrap_or_default();
-            ['\\', '_', '^', '{', '}'].iter().fold(name.to_owned(), |name, c| name.replace(*c, &format!("\\{c}")))
+            return Label::plain(name, FontWeight::Regular);
         }
-    }
+    };
+    Label::parse(&text, FontWeight::Regular)
 }

@@ -4,11 +4,12 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use super::options::Options;
+use super::options::{CONTROL_COLOR, Options, POINT_COLOR, WIRE_COLOR};
 use super::shading;
 use crate::drawing::{Discs, LegendSample, Stroke};
 use crate::math::parameter::Values;
-use crate::output::options::{DIRECTION_ITEMS, ISOLINES};
+use crate::output::hard_edges::edges_of;
+use crate::output::options::{DIRECTION_ITEMS, ISOLINES, joined};
 use crate::output::scene::{FaceChunk, MeshSource, Scene, Shape, each_face, in_chunks, positions};
 use crate::raster::{Crowding, Strokes};
 use crate::shape::directions::Direction;
@@ -48,24 +49,16 @@ const TAG_LINES: [(&str, [u8; 4]); 4] = [
     (CREASES, [190, 18, 60, 255]),
 ];
 
+/// The items that pictures of meshes can show, but for a legend.
+pub(crate) const SURFACE_ITEMS: [&str; 10] =
+    ["surface", "wireframe", ISOLINES, "control", "points", CREASES, LATITUDE, LONGITUDE, SEAMS, EXTRAORDINARY];
+
 /// The items that pictures of meshes can show.
-pub(crate) const SHOWN: &[&str] = &[
-    "surface",
-    "wireframe",
-    ISOLINES,
-    "control",
-    "points",
-    CREASES,
-    LATITUDE,
-    LONGITUDE,
-    SEAMS,
-    EXTRAORDINARY,
-    LEGEND_ITEM,
-];
+pub(crate) const SHOWN: [&str; 11] = joined(&SURFACE_ITEMS, &[LEGEND_ITEM]);
 
 /// Returns whether the refined mesh itself is shown, and not only the control net.
 pub(crate) fn shows_body(options: &Options<'_>) -> bool {
-    SHOWN.iter().any(|item| !matches!(*item, "control" | "points" | LEGEND_ITEM) && shading::shows(options, item))
+    SURFACE_ITEMS.iter().any(|item| !matches!(*item, "control" | "points") && shading::shows(options, item))
 }
 
 /// Returns the shown item that refers to single edges or vertices of the input, if any.
@@ -81,10 +74,10 @@ pub(super) fn meanings(options: &Options<'_>) -> Vec<(&'static str, LegendSample
     let dot = |color, ring| {
         LegendSample::Disc(Discs { centres: Vec::new(), radius_px: 4.0 * unit, ring_px: 1.5 * unit, color, ring })
     };
-    let wire = options.wire_color(WIRE);
+    let wire = options.ink(&WIRE_COLOR, WIRE);
     let mut all = vec![
-        ("points", "control points", dot(options.point_color(CONTROL_POINT_INK), [255; 4])),
-        ("control", "control net", line(1.6, options.control_color(CONTROL_NET_INK))),
+        ("points", "control points", dot(options.ink(&POINT_COLOR, CONTROL_POINT_INK), [255; 4])),
+        ("control", "control net", line(1.6, options.ink(&CONTROL_COLOR, CONTROL_NET_INK))),
         (EXTRAORDINARY, EXTRAORDINARY, dot(EXTRAORDINARY_DOT, EXTRAORDINARY_RING)),
     ];
     all.extend(TAG_LINES.iter().rev().map(|(name, color)| (*name, *name, line(3.4, *color))));
@@ -163,7 +156,7 @@ impl<'a> MeshLines<'a> {
             hidden: 0.0,
         };
         let faint = |strokes| Strokes { hidden: FAINT_NET_OPACITY, ..strokes };
-        let wire = options.wire_color(WIRE);
+        let wire = options.ink(&WIRE_COLOR, WIRE);
         let mut strokes = Vec::new();
         strokes.push(Strokes { crowding: Crowding::Fade, ..line(surface, &self.wires, 1.3 * wide, wire) });
         // in a drawing of lines, contours are wider than isolines
@@ -177,16 +170,13 @@ impl<'a> MeshLines<'a> {
         strokes.push(line(surface, &self.extraordinary, 8.0 * unit, EXTRAORDINARY_DOT));
         let net = &self.net;
         if shows("control") {
-            strokes.push(faint(line(&net.positions, &net.edges, thin * wide, options.control_color(CONTROL_NET_INK))));
+            let ink = options.ink(&CONTROL_COLOR, CONTROL_NET_INK);
+            strokes.push(faint(line(&net.positions, &net.edges, thin * wide, ink)));
         }
         if shows("points") {
             strokes.push(line(&net.positions, &net.points, 1.31 * small * unit, ring));
-            strokes.push(faint(line(
-                &net.positions,
-                &net.points,
-                small * unit,
-                options.point_color(CONTROL_POINT_INK),
-            )));
+            let ink = options.ink(&POINT_COLOR, CONTROL_POINT_INK);
+            strokes.push(faint(line(&net.positions, &net.points, small * unit, ink)));
         }
         strokes.retain(|strokes| !strokes.segments.is_empty());
         strokes
@@ -212,32 +202,28 @@ impl<'a> ControlLines<'a> {
 /// Returns each edge of the shown faces once.
 fn edges(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, Stopped> {
     let mut keys: Vec<[u32; 2]> = Vec::with_capacity(mesh.n_half_edges());
-    each_face(mesh, watch, |face| {
-        let next = face.iter().cycle().skip(1);
-        keys.extend(face.iter().zip(next).map(|(&a, &b)| [a.min(b), a.max(b)]));
-    })?;
+    each_face(mesh, watch, |face| keys.extend(edges_of(face)))?;
     keys.par_sort_unstable();
     keys.dedup();
     Ok(keys)
 }
 
 /// Returns the pieces of edges of the input that have a shown face beside them.
-fn pieces(
+pub(super) fn pieces(
     mesh: &dyn MeshSource,
-    mut edges: impl Iterator<Item = usize>,
+    edges: impl Iterator<Item = usize>,
     watch: &Watch,
 ) -> Result<Vec<[u32; 2]>, Stopped> {
     let mut pieces = Vec::new();
     let mut line = Vec::new();
-    edges.by_ref().enumerate().try_for_each(|(n, edge)| {
+    for (n, edge) in edges.enumerate() {
         if n % 4096 == 0 {
             watch.check()?;
         }
         if mesh.isoline(edge, &mut line) {
-            pieces.extend(line.windows(2).map(|pair| [pair[0], pair[1]]));
+            pieces.extend(line.array_windows().copied());
         }
-        Ok(())
-    })?;
+    }
     Ok(pieces)
 }
 

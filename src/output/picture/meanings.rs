@@ -67,8 +67,7 @@ fn axis_color(k: usize) -> Color {
 }
 
 fn label(text: &str) -> Option<Label> {
-    let plain = ['\\', '_', '^', '{', '}'].iter().fold(text.to_owned(), |text, c| text.replace(*c, &format!("\\{c}")));
-    Label::parse(&plain, FontWeight::Regular).ok()
+    Label::plain(text, FontWeight::Regular).ok()
 }
 
 /// Converts linear light to bytes.

@@ -1,6 +1,7 @@
 //! The options that pictures have in common.
 
 use super::view_box::BOX;
+use crate::drawing::Stroke;
 use crate::fault::Fault;
 use crate::math::parameter::{Default, Parameter, ParameterKind, Value, Values};
 use crate::output::colors::linear;
@@ -15,30 +16,21 @@ use crate::raster::{Ground, MAX_SIDE_PX, Projection, RenderStyle, View};
 const MAX_SIDE: i64 = MAX_SIDE_PX as i64;
 
 /// Width of the picture.
-pub(crate) const WIDTH: Parameter = Parameter {
-    name: "width",
-    kind: ParameterKind::Integer { min: 16, max: MAX_SIDE },
-    unit: "pixels",
-    default: Default::Number(1024.0),
-    doc: "Width of the picture.",
-};
+pub(crate) const WIDTH: Parameter =
+    Parameter::integer("width", [16, MAX_SIDE], 1024.0, "Width of the picture.").in_unit("pixels");
 
 /// Height of the picture.
-pub(crate) const HEIGHT: Parameter = Parameter {
-    name: "height",
-    kind: ParameterKind::Integer { min: 16, max: MAX_SIDE },
-    unit: "pixels",
-    default: Default::Number(768.0),
-    doc: "Height of the picture.",
-};
+pub(crate) const HEIGHT: Parameter =
+    Parameter::integer("height", [16, MAX_SIDE], 768.0, "Height of the picture.").in_unit("pixels");
 
 /// Colour behind everything.
 pub(crate) const BACKGROUND: Parameter = Parameter {
-    name: "background",
-    kind: ParameterKind::Color,
-    unit: "",
     default: Default::Text("#ffffff"),
-    doc: "Colour behind everything; \"transparent\" leaves it out.",
+    ..Parameter::optional(
+        "background",
+        ParameterKind::Color,
+        "Colour behind everything; \"transparent\" leaves it out.",
+    )
 };
 
 /// Colour of the refined shape.
@@ -69,13 +61,13 @@ pub(crate) const GROUNDING: Parameter = Parameter::choice(
 );
 
 /// Resolution of the picture on paper.
-pub(crate) const DPI: Parameter = Parameter {
-    name: "dpi",
-    kind: ParameterKind::Number { min: 1.0, max: 10_000.0 },
-    unit: "pixels an inch",
-    default: Default::Absent,
-    doc: "How large the picture is on paper, written into the file; pixels stay the same.",
-};
+pub(crate) const DPI: Parameter = Parameter::number(
+    "dpi",
+    [1.0, 10_000.0],
+    Default::Absent,
+    "How large the picture is on paper, written into the file; pixels stay the same.",
+)
+.in_unit("pixels an inch");
 
 /// Width of lines.
 pub(crate) const LINE_WIDTH: Parameter = Parameter::number(
@@ -139,42 +131,31 @@ pub(crate) const CAMERA: Parameter = Parameter {
 
 pub(super) const CAMERA_FIELDS: &[Parameter] = &[
     Parameter::choice("projection", &["perspective", "orthographic"], "Whether far things look smaller."),
-    Parameter {
-        name: "azimuth_deg",
-        kind: ParameterKind::Number { min: -360.0, max: 360.0 },
-        unit: "degrees",
-        default: Default::Number(35.0),
-        doc: "Turn about the up axis; with y up, 0 looks from +z and 90 from +x.",
-    },
-    Parameter {
-        name: "elevation_deg",
-        kind: ParameterKind::Number { min: -90.0, max: 90.0 },
-        unit: "degrees",
-        default: Default::Number(25.0),
-        doc: "Height above the horizon.",
-    },
-    Parameter {
-        name: "fov_deg",
-        kind: ParameterKind::Number { min: 1.0, max: 150.0 },
-        unit: "degrees",
-        default: Default::Number(30.0),
-        doc: "Vertical angle of view of the perspective camera.",
-    },
+    Parameter::number(
+        "azimuth_deg",
+        [-360.0, 360.0],
+        Default::Number(35.0),
+        "Turn about the up axis; with y up, 0 looks from +z and 90 from +x.",
+    )
+    .in_unit("degrees"),
+    Parameter::number("elevation_deg", [-90.0, 90.0], Default::Number(25.0), "Height above the horizon.")
+        .in_unit("degrees"),
+    Parameter::number(
+        "fov_deg",
+        [1.0, 150.0],
+        Default::Number(30.0),
+        "Vertical angle of view of the perspective camera.",
+    )
+    .in_unit("degrees"),
     Parameter::number("zoom", [0.001, 1000.0], Default::Number(1.0), "Magnification about the centre of the picture."),
-    Parameter {
-        name: "eye",
-        kind: ParameterKind::Vector,
-        unit: "model units",
-        default: Default::Absent,
-        doc: "Where the camera stands; with it the angles do not count.",
-    },
-    Parameter {
-        name: "target",
-        kind: ParameterKind::Vector,
-        unit: "model units",
-        default: Default::Absent,
-        doc: "What stands in the centre of the picture; left out, the middle of what is shown.",
-    },
+    Parameter::optional("eye", ParameterKind::Vector, "Where the camera stands; with it the angles do not count.")
+        .in_unit("model units"),
+    Parameter::optional(
+        "target",
+        ParameterKind::Vector,
+        "What stands in the centre of the picture; left out, the middle of what is shown.",
+    )
+    .in_unit("model units"),
     Parameter::optional(
         "up",
         ParameterKind::Vector,
@@ -284,19 +265,14 @@ impl<'a> Options<'a> {
         self.values.number(LINE_WIDTH.name).map_or(1.0, rounded)
     }
 
-    /// Returns the colour of wireframe and isolines.
-    pub(crate) fn wire_color(&self, default: [u8; 4]) -> [u8; 4] {
-        self.values.color(WIRE_COLOR.name).unwrap_or(default)
+    /// Returns a solid line of this width, which follows the size of the picture and the width of lines.
+    pub(super) fn stroke(&self, width: f32, color: [u8; 4]) -> Stroke {
+        Stroke::solid(width * self.unit_px() * self.line_width(), color)
     }
 
-    /// Returns the colour of the control net.
-    pub(crate) fn control_color(&self, default: [u8; 4]) -> [u8; 4] {
-        self.values.color(CONTROL_COLOR.name).unwrap_or(default)
-    }
-
-    /// Returns the colour of control points.
-    pub(crate) fn point_color(&self, default: [u8; 4]) -> [u8; 4] {
-        self.values.color(POINT_COLOR.name).unwrap_or(default)
+    /// Returns the colour that an option gives to lines or points, or `default`.
+    pub(super) fn ink(&self, option: &Parameter, default: [u8; 4]) -> [u8; 4] {
+        self.values.color(option.name).unwrap_or(default)
     }
 
     /// Returns the factor of the default size of points, if given.

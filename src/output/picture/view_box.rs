@@ -1,6 +1,6 @@
 //! The box that a camera frames, as an option.
 
-use crate::math::parameter::{Default, Parameter, ParameterKind};
+use crate::math::parameter::{Parameter, ParameterKind};
 use crate::raster::MAX_SIDE_PX;
 
 /// A box that is framed in place of the shown items.
@@ -12,29 +12,16 @@ pub(super) const BOX: Parameter = Parameter::optional(
 );
 
 pub(super) const BOX_FIELDS: &[Parameter] = &[
-    Parameter {
-        name: "min",
-        kind: ParameterKind::Vector,
-        unit: "model units",
-        default: Default::Required,
-        doc: "The corner with the least coordinates.",
-    },
-    Parameter {
-        name: "max",
-        kind: ParameterKind::Vector,
-        unit: "model units",
-        default: Default::Required,
-        doc: "The corner opposite to it.",
-    },
+    Parameter::required("min", ParameterKind::Vector, "The corner with the least coordinates.").in_unit("model units"),
+    Parameter::required("max", ParameterKind::Vector, "The corner opposite to it.").in_unit("model units"),
     LEGEND_PX,
 ];
 
 /// Width that is left free for a legend.
-pub(super) const LEGEND_PX: Parameter = Parameter {
-    name: "legend_px",
-    kind: ParameterKind::Integer { min: 0, max: MAX_SIDE_PX as i64 },
-    unit: "pixels",
-    default: Default::Absent,
-    doc: "Width that is left free at the right, at most half of the picture, where its own legend needs less, so that \
-          pictures of meshes with and without a legend have one scale.",
-};
+pub(super) const LEGEND_PX: Parameter = Parameter::optional(
+    "legend_px",
+    ParameterKind::Integer { min: 0, max: MAX_SIDE_PX as i64 },
+    "Width that is left free at the right, at most half of the picture, where its own legend needs less, so that \
+     pictures of meshes with and without a legend have one scale.",
+)
+.in_unit("pixels");

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use crate::output::disjoint_sets::DisjointSets;
 use crate::output::scene::{MeshSource, each_face};
 use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
@@ -46,14 +47,14 @@ impl Connectivity {
         for run in keys.chunk_by(|a, b| a == b) {
             let [a, b] = ends(run[0]);
             edges += 1;
-            valences[a] += 1;
-            valences[b] += 1;
+            valences[a as usize] += 1;
+            valences[b as usize] += 1;
             pieces.join(a, b);
             closed &= run.len() == 2;
             if run.len() == 1 {
                 boundary_edges += 1;
-                on_boundary[a] = true;
-                on_boundary[b] = true;
+                on_boundary[a as usize] = true;
+                on_boundary[b as usize] = true;
                 boundary.join(a, b);
             }
         }
@@ -91,36 +92,7 @@ fn keys(mesh: &dyn MeshSource, watch: &Watch) -> Result<(Vec<u64>, BTreeMap<u32,
     Ok((keys, face_sizes))
 }
 
-fn ends(key: u64) -> [usize; 2] {
+fn ends(key: u64) -> [u32; 2] {
     let low = key & u64::from(u32::MAX);
-    [key >> 32, low].map(|end| usize::try_from(end).expect("a 32-bit number"))
-}
-
-/// Disjoint sets of vertices (union and find with path halving; R. Tarjan, J. van Leeuwen, J. ACM 31 (1984), 245-281).
-struct DisjointSets {
-    parents: Vec<usize>,
-    /// Number of sets.
-    n: usize,
-}
-
-impl DisjointSets {
-    fn new(n: usize) -> Self {
-        Self { parents: (0..n).collect(), n }
-    }
-
-    fn root(&mut self, mut vertex: usize) -> usize {
-        while self.parents[vertex] != vertex {
-            self.parents[vertex] = self.parents[self.parents[vertex]];
-            vertex = self.parents[vertex];
-        }
-        vertex
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        if a != b {
-            self.parents[a.max(b)] = a.min(b);
-            self.n -= 1;
-        }
-    }
+    [key >> 32, low].map(|end| u32::try_from(end).expect("a 32-bit number"))
 }

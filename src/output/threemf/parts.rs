@@ -1,5 +1,6 @@
 //! The connected parts of a mesh, which become separate objects.
 
+use crate::output::disjoint_sets::DisjointSets;
 use crate::output::error::FormatError;
 use crate::output::scene::{MeshSource, each_face, triangles};
 use crate::watch::Watch;
@@ -29,17 +30,13 @@ impl MeshParts {
     /// # Errors
     /// A stopped watch, or more than [`MAX_PARTS`] parts.
     pub(super) fn of(mesh: &dyn MeshSource, watch: &Watch) -> Result<Self, FormatError> {
-        let mut parents: Vec<u32> = (0..u32::try_from(mesh.n_vertices()).unwrap_or(u32::MAX)).collect();
-        each_face(mesh, watch, |face| {
-            for pair in face.windows(2) {
-                let [a, b] = [pair[0], pair[1]].map(|v| root(&mut parents, v));
-                parents[a.max(b) as usize] = a.min(b);
-            }
-        })?;
-        let mut number = vec![u32::MAX; parents.len()];
+        let n = mesh.n_vertices();
+        let mut sets = DisjointSets::new(n);
+        each_face(mesh, watch, |face| face.array_windows().for_each(|&[a, b]| sets.join(a, b)))?;
+        let mut number = vec![u32::MAX; n];
         let (mut all, mut n_faces, mut is_over) = (Vec::<Vec<([u32; 3], u32)>>::new(), 0, false);
         each_face(mesh, watch, |face| {
-            let slot = &mut number[root(&mut parents, face[0]) as usize];
+            let slot = &mut number[sets.root(face[0]) as usize];
             if *slot == u32::MAX {
                 *slot = u32::try_from(all.len()).unwrap_or(u32::MAX);
                 is_over |= all.len() >= MAX_PARTS;
@@ -58,9 +55,9 @@ impl MeshParts {
             );
             return Err(FormatError::Unfit(detail));
         }
-        let (mut vertices, mut local) = (vec![Vec::new(); all.len()], vec![0; parents.len()]);
-        for v in 0..u32::try_from(parents.len()).unwrap_or(u32::MAX) {
-            let part = number[root(&mut parents, v) as usize] as usize;
+        let (mut vertices, mut local) = (vec![Vec::new(); all.len()], vec![0; n]);
+        for v in 0..u32::try_from(n).unwrap_or(u32::MAX) {
+            let part = number[sets.root(v) as usize] as usize;
             // a vertex without faces is in no part
             if let Some(part) = vertices.get_mut(part) {
                 local[v as usize] = u32::try_from(part.len()).unwrap_or(u32::MAX);
@@ -69,14 +66,4 @@ impl MeshParts {
         }
         Ok(Self { vertices, triangles: all, local })
     }
-}
-
-/// Returns the lowest vertex of the part of `v`, which represents the part, and shortens the path to it.
-fn root(parents: &mut [u32], mut v: u32) -> u32 {
-    while parents[v as usize] != v {
-        let next = parents[v as usize];
-        parents[v as usize] = parents[next as usize];
-        v = next;
-    }
-    v
 }

@@ -6,7 +6,7 @@ use crate::output::bytes::Bytes;
 use crate::output::colors::linear;
 use crate::output::error::FormatError;
 use crate::output::numbers::{real, whole};
-use crate::output::scene::MeshSource;
+use crate::output::scene::{MeshSource, labelled_ranges};
 use crate::output::stream::Stream;
 use crate::shape::attachments::{Attachments, Channel};
 use crate::shape::labels::Labels;
@@ -107,14 +107,7 @@ fn write_subsets<'a>(
     names: &mut Names,
     stream: &mut Stream<'_>,
 ) -> Result<(), FormatError> {
-    let mut ranges = vec![Vec::new(); labels.names.len()];
-    for face in 0..mesh.input_cells()[2] {
-        let label = u32::try_from(face).ok().and_then(|face| labels.number(face));
-        if let Some(label) = label {
-            ranges[label].push(mesh.faces_of(face));
-        }
-    }
-    for (label, (name, ranges)) in labels.names.iter().zip(ranges).enumerate() {
+    for (label, (name, ranges)) in labels.names.iter().zip(labelled_ranges(mesh, labels)).enumerate() {
         let (identifier, binding) = (names.identifier(name), binding(label));
         let schema = binding.map(|_| "prepend apiSchemas = [\"MaterialBindingAPI\"]".to_owned());
         prim("GeomSubset", &identifier, display_name(name, &identifier).into_iter().chain(schema), INDENT, stream)?;
@@ -125,7 +118,7 @@ fn write_subsets<'a>(
             "int[] indices = [",
         ];
         facts.iter().try_for_each(|fact| stream.bytes(format!("{INDENT}    {fact}").as_bytes()))?;
-        let first = ranges.iter().find(|range| !range.is_empty()).map(|range| range.start);
+        let first = ranges.first().map(|range| range.start);
         for range in ranges {
             stream.each(range, |face, out| {
                 comma(usize::from(Some(face) != first), out);

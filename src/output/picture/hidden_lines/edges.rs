@@ -5,7 +5,8 @@ use rayon::prelude::*;
 use crate::math::parameter::Values;
 use crate::output::error::FormatError;
 use crate::output::hard_edges::HardEdges;
-use crate::output::scene::{MeshSource, Scene, each_face, in_chunks, triangles};
+use crate::output::picture::lines::pieces;
+use crate::output::scene::{MeshSource, Scene, each_face, triangles};
 use crate::raster::ProjectedPoint;
 use crate::shape::topology::NONE;
 use crate::watch::Watch;
@@ -91,7 +92,7 @@ impl SceneEdges {
         };
         let hard = HardEdges::of(scene.shape, options, watch)?;
         let creases = named(hard.and(mesh.sharp_edges()));
-        let isolines = named(isolines(mesh, watch)?);
+        let isolines = named(pieces(mesh, 0..mesh.input_cells()[1], watch)?);
         let outward: Vec<bool> = cut.iter().map(|triangle| shows_outside(triangle.map(|v| seen[v as usize]))).collect();
         let sides =
             (0..).zip(&cut).flat_map(|(t, [a, b, c])| [[a, b], [b, c], [c, a]].map(|[a, b]| [*a.min(b), *a.max(b), t]));
@@ -148,20 +149,4 @@ fn cut(mesh: &dyn MeshSource, first: &[u32], watch: &Watch) -> Result<(Vec<[u32;
         number += 1;
     })?;
     Ok((all, faces))
-}
-
-/// Returns the pieces of edges of the input that have a shown face beside them.
-fn isolines(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 2]>, FormatError> {
-    let mut pieces = Vec::new();
-    let mut line = Vec::new();
-    in_chunks(mesh.input_cells()[1], |range| {
-        watch.check()?;
-        for edge in range {
-            if mesh.isoline(edge, &mut line) {
-                pieces.extend(line.windows(2).map(|pair| [pair[0], pair[1]]));
-            }
-        }
-        Ok::<_, FormatError>(())
-    })?;
-    Ok(pieces)
 }
