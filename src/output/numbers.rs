@@ -6,19 +6,32 @@ pub(super) const REAL_BYTES: u128 = 24;
 /// Appends the shortest decimal that reads back as `x`, whole numbers without a point, and -0 as 0.
 #[inline]
 pub(super) fn real(out: &mut Vec<u8>, x: f64) {
-    shortest(out, x + 0.0);
+    out.extend_from_slice(decimal(x, &mut zmij::Buffer::new()).as_bytes());
 }
 
 /// Appends the f32 nearest to `x` as [`real`] does.
 pub(super) fn real_f32(out: &mut Vec<u8>, x: f64) {
-    shortest(out, rounded(x) + 0.0);
+    let x = rounded(x) + 0.0;
+    out.extend_from_slice(without_point(f64::from(x), zmij::Buffer::new().format_finite(x)).as_bytes());
 }
 
+/// Returns what [`real`] appends.
 #[inline]
-fn shortest(out: &mut Vec<u8>, x: impl zmij::Float) {
-    let mut buffer = zmij::Buffer::new();
-    let text = buffer.format_finite(x);
-    out.extend_from_slice(text.strip_suffix(".0").unwrap_or(text).as_bytes());
+pub(super) fn decimal(x: f64, buffer: &mut zmij::Buffer) -> &str {
+    without_point(x, buffer.format_finite(x + 0.0))
+}
+
+/// Returns the text of a number, without the point if it is whole. Texts of other numbers are not looked at: loading
+/// what was just stored is slow.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    reason = "whole numbers above 2^63 have no point"
+)]
+#[inline]
+fn without_point(x: f64, text: &str) -> &str {
+    let is_whole = x as i64 as f64 == x;
+    if is_whole { text.strip_suffix(".0").unwrap_or(text) } else { text }
 }
 
 /// Appends `numbers` with `separator` between them.

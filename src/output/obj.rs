@@ -202,7 +202,7 @@ fn write_with_normals(obj_mesh: &ObjMesh<'_>, stream: &mut Stream<'_>) -> Result
     drop(positions);
     let origin = |v: u32| split_vertices.as_ref().map_or(v, |split_vertices| split_vertices.origin(v));
     stream.rows(&normals, |_, rows, out| {
-        out.append(|out| rows.iter().for_each(|&normal| NORMAL_LINE.reals(&normals::or_up(normal), out)));
+        NORMAL_LINE.vectors(rows.iter().copied().map(normals::or_up), out);
     })?;
     stream.faces_and_uvs(sides, |start, chunks, out| {
         out.append(|out| {
@@ -244,9 +244,7 @@ fn write_curves(curves: &[Curve], stream: &mut Stream<'_>) -> Result<(), FormatE
 }
 
 fn vertices(positions: &Positions<'_>, stream: &mut Stream<'_>) -> Result<(), FormatError> {
-    stream.positions(positions, |_, rows, out| {
-        out.append(|out| rows.iter().for_each(|position| VERTEX_LINE.reals(position, out)));
-    })
+    stream.positions(positions, |_, rows, out| VERTEX_LINE.vectors(rows.iter(), out))
 }
 
 /// Appends the number of a vertex or a place, counted from 1, after a byte.
@@ -314,9 +312,7 @@ impl ObjMesh<'_> {
 
     /// Writes the texture coordinates.
     fn uvs(&self, stream: &mut Stream<'_>) -> Result<(), FormatError> {
-        stream.uvs(self.mesh, |_, values, out| {
-            out.append(|out| values.iter().for_each(|value| UV_LINE.reals(value, out)));
-        })
+        stream.uvs(self.mesh, |_, values, out| UV_LINE.vectors(values.iter(), out))
     }
 
     /// Appends the origin of a vertex if it differs from that of the vertex before.

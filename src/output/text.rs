@@ -1,12 +1,19 @@
 //! Rows of numbers as text.
 
 use crate::output::bytes::Bytes;
-use crate::output::numbers::{real, whole};
+use crate::output::numbers::{REAL_BYTES, decimal, whole};
 use crate::output::scene::FaceChunk;
 
 /// Bytes that are written at once for a row of indices, of which at most [`RowStyle::MAX_BYTES`] plus four times
 /// [`IndexText::MAX_BYTES`] are part of the text: an index writes 16 bytes, whatever its length.
 const ROW_BYTES: usize = 64;
+
+/// Maximum number of bytes of a real number and of the byte before it.
+const REAL_TEXT_BYTES: usize = 1 + REAL_BYTES as usize;
+
+/// Number of reals that are spelled before they are copied: loading what was just stored is slow. Half as many wait for
+/// it; twice as many are more than the rows of most files have.
+const REALS_AT_ONCE: usize = 4;
 
 /// The characters around the numbers of a row.
 #[derive(Debug, Clone, Copy)]
@@ -27,12 +34,40 @@ impl RowStyle {
 
     /// Appends a row.
     pub(super) fn reals(&self, row: &[f64], out: &mut Vec<u8>) {
-        out.extend_from_slice(self.start);
-        for (k, &x) in row.iter().enumerate() {
-            out.push(if k > 0 { self.between } else { self.open });
-            real(out, x);
+        let start = out.len();
+        out.resize(start + self.room(row.len()), 0);
+        let len = self.spell(row, &mut out[start..]);
+        out.truncate(start + len);
+    }
+
+    /// Makes a row for each vector.
+    pub(super) fn vectors<R: AsRef<[f64]>>(&self, rows: impl ExactSizeIterator<Item = R> + Clone, out: &mut Bytes) {
+        let room = rows.clone().map(|row| self.room(row.as_ref().len())).sum();
+        out.text(room, |text| rows.fold(0, |at, row| at + self.spell(row.as_ref(), &mut text[at..])));
+    }
+
+    /// Returns the maximum number of bytes of a row of `n` reals.
+    fn room(&self, n: usize) -> usize {
+        Self::MAX_BYTES + n * REAL_TEXT_BYTES
+    }
+
+    /// Writes a row of reals at the start of `text`, and returns its number of bytes.
+    fn spell(&self, row: &[f64], text: &mut [u8]) -> usize {
+        let mut at = put(self.start, text);
+        let mut before = self.open;
+        for reals in row.chunks(REALS_AT_ONCE) {
+            let mut buffers = [(); REALS_AT_ONCE].map(|()| zmij::Buffer::new());
+            let mut spelled = [""; REALS_AT_ONCE];
+            for ((spelled, buffer), &x) in spelled.iter_mut().zip(&mut buffers).zip(reals) {
+                *spelled = decimal(x, buffer);
+            }
+            for digits in &spelled[..reals.len()] {
+                text[at] = before;
+                at += 1 + put_digits(digits.as_bytes(), &mut text[at + 1..]);
+                before = self.between;
+            }
         }
-        out.extend_from_slice(self.end);
+        at + put(self.end, &mut text[at..])
     }
 
     /// Appends a row of whole numbers, counted from `origin`.
@@ -63,19 +98,47 @@ impl RowStyle {
             let mut at = 0;
             for row in rows {
                 let Some(line) = text[at..].first_chunk_mut::<ROW_BYTES>() else { break };
-                let mut end = self.start.len();
-                line[..end].copy_from_slice(self.start);
+                let mut end = put(self.start, line);
                 for (column, &n) in columns.iter_mut().zip(row) {
                     column.show(u64::from(n) + origin);
                     line[end..end + 16].copy_from_slice(&column.text.to_le_bytes());
                     end += column.len;
                 }
-                line[end..end + self.end.len()].copy_from_slice(self.end);
-                at += end + self.end.len();
+                at += end + put(self.end, &mut line[end..]);
             }
             at
         });
     }
+}
+
+/// Writes at most two bytes at the start of `text`, and returns their number; a copy of any length would be a call.
+#[inline]
+fn put(bytes: &[u8], text: &mut [u8]) -> usize {
+    match *bytes {
+        [] => 0,
+        [a] => {
+            text[0] = a;
+            1
+        }
+        [a, b, ..] => {
+            text[..2].copy_from_slice(&[a, b]);
+            2
+        }
+    }
+}
+
+/// Writes the digits of a number at the start of `text`, and returns their number. Most numbers have 16 to 24, which
+/// are two copies of fixed length.
+#[inline]
+fn put_digits(digits: &[u8], text: &mut [u8]) -> usize {
+    let n = digits.len();
+    if let (Some(head), Some(tail)) = (digits.first_chunk::<16>(), digits.last_chunk::<8>()) {
+        text[..16].copy_from_slice(head);
+        text[n - 8..n].copy_from_slice(tail);
+    } else {
+        text[..n].copy_from_slice(digits);
+    }
+    n
 }
 
 /// A number in a column of indices as text, after one byte. In most rows it is the number of the row before plus one,

@@ -24,7 +24,7 @@ pub(super) fn row(index: usize, out: &mut Vec<u8>, items: impl FnOnce(&mut Vec<u
 
 /// Makes lists of numbers in a list of lists; `start` is the index of the first of them.
 pub(super) fn vectors(start: usize, rows: &[impl AsRef<[f64]>], out: &mut Bytes) {
-    out.append(|out| rows.iter().for_each(|row| LIST_ROW.reals(row.as_ref(), out)));
+    LIST_ROW.vectors(rows.iter().map(AsRef::as_ref), out);
     if start == 0 {
         out.drop_first();
     }
