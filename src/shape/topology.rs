@@ -236,6 +236,15 @@ impl Topology {
         Some([self.edge(start), self.edge(self.previous(last))])
     }
 
+    /// Returns the edges at a vertex, counter-clockwise; on the boundary from boundary edge to boundary edge.
+    pub fn edges_at(&self, v: usize) -> impl Iterator<Item = u32> {
+        self.ring(v).flat_map(|half_edge| {
+            let before = self.previous(half_edge);
+            let last = (self.twin(before) == NONE).then(|| self.edge(before));
+            std::iter::once(self.edge(half_edge)).chain(last)
+        })
+    }
+
     /// Returns the valence of vertex `v`, the number of its edges.
     pub fn valence(&self, v: usize) -> usize {
         self.ring(v).count() + usize::from(self.boundary_edges(v).is_some())
