@@ -78,13 +78,13 @@ impl SectorFunctional {
     fn of(kind: NetKind, n: usize, index: usize, point: Option<LatticePoint>, row: &[PlacedWeight]) -> Self {
         let from = point.map_or(0.0, |p| kind.turn(p));
         let mut functional = Self { points: Vec::new(), centre: 0.0 };
-        for entry in row {
-            let Some(q) = entry.point else {
-                functional.centre += entry.weight;
+        for &(place, weight) in row {
+            let Some((sector, q)) = place else {
+                functional.centre += weight;
                 continue;
             };
-            let turn = real(index) * (real(entry.sector) + kind.turn(q) - from);
-            let [re, im] = phase(turn % real(n), n).map(|x| x * entry.weight);
+            let turn = real(index) * (real(sector) + kind.turn(q) - from);
+            let [re, im] = phase(turn % real(n), n).map(|x| x * weight);
             match functional.points.iter_mut().find(|(other, _)| *other == q) {
                 Some((_, sum)) => *sum = [sum[0] + re, sum[1] + im],
                 None => functional.points.push((q, [re, im])),

@@ -185,8 +185,8 @@ impl SurfaceStudy {
         let n = i32::try_from(n).unwrap_or(i32::MAX);
         local.rows.iter().filter(|(p, _)| kind.radius(**p) >= radius - reach).all(|(p, row)| {
             let mut left: BTreeMap<Option<(usize, LatticePoint)>, f64> = BTreeMap::new();
-            for entry in row {
-                *left.entry(entry.point.map(|point| (entry.sector, point))).or_insert(0.0) += entry.weight;
+            for &(place, weight) in row {
+                *left.entry(place).or_insert(0.0) += weight;
             }
             for (k, a) in mask.iter().filter(|(k, _)| (0..2).all(|axis| (p[axis] - k[axis]) % d == 0)) {
                 let old = [0, 1].map(|axis| (p[axis] - k[axis]) / d);
