@@ -236,6 +236,12 @@ impl Topology {
         Some([self.edge(start), self.edge(self.previous(last))])
     }
 
+    /// Returns a half-edge between two vertices, if there is one: the one from the first to the second, if it exists.
+    pub fn between(&self, [a, b]: [u32; 2]) -> Option<u32> {
+        let towards = |a: u32, b: u32| self.ring(a as usize).find(|&half_edge| self.vertex(self.next(half_edge)) == b);
+        towards(a, b).or_else(|| towards(b, a))
+    }
+
     /// Returns the edges at a vertex, counter-clockwise; on the boundary from boundary edge to boundary edge.
     pub fn edges_at(&self, v: usize) -> impl Iterator<Item = u32> {
         self.ring(v).flat_map(|half_edge| {
