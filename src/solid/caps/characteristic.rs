@@ -37,6 +37,16 @@ pub fn decay(n: usize) -> f64 {
     if n < 5 { 0.25 } else { eigenvalue(2, n).max(0.25) }
 }
 
+/// Returns the number of refinements, at least one, after which the deviation of a cap has shrunk to a fraction.
+pub(super) fn rings_until(n: usize, fraction: f64) -> usize {
+    let (mut rings, mut left) = (1, decay(n));
+    while left > fraction {
+        left *= decay(n);
+        rings += 1;
+    }
+    rings
+}
+
 /// Returns the product of two plane vectors as complex numbers.
 pub(super) fn complex_product(a: Complex, b: Complex) -> Complex {
     [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
