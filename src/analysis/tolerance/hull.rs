@@ -77,10 +77,7 @@ impl<'a> Hulls<'a> {
         let area = |half_edge: u32| normal(topology, points, half_edge);
         let half_edges = || around.iter().flat_map(|&f| topology.half_edges(f));
         let sum = half_edges().map(area).fold([0.0; 3], plus);
-        let size = length(sum);
-        if size.is_nan() || size <= 0.0 {
-            return None;
-        }
+        let size = Some(length(sum)).filter(|&size| size > 0.0)?;
         let n = times(1.0 / size, sum);
         if !half_edges().all(|half_edge| dot(n, area(half_edge)) > 0.0) {
             return None;
