@@ -5,7 +5,6 @@ use crate::math::functions::sin;
 use crate::math::mask::Mask;
 use crate::scheme::curve_rule::{CurveRule, spread};
 use crate::scheme::extent::Extent;
-use crate::scheme::mask_range::MaskRange;
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::parameters::{ARITY, AVERAGES, FIRST, MASK};
 use crate::scheme::polygon_anchor::PolygonAnchor;
@@ -60,10 +59,6 @@ impl Operator for Circle {
         let mask = Self::mask(settings.arity(), averages, alpha);
         settings.set_mask(mask.ok_or_else(|| format!("the circle mask has a pole at alpha = {alpha}"))?);
         Ok(())
-    }
-
-    fn mask_range(&self, settings: &LetterSettings, _: u32) -> Option<MaskRange> {
-        settings.mask().map(|mask| MaskRange::of(settings.arity(), &mask))
     }
 
     fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {

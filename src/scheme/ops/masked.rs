@@ -32,10 +32,6 @@ impl Operator for Masked {
         &FACTS
     }
 
-    fn mask_range(&self, settings: &LetterSettings, _: u32) -> Option<MaskRange> {
-        settings.mask().map(|mask| MaskRange::of(settings.arity(), &mask))
-    }
-
     fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         let (landed, rows) = apply_own(net, values.settings, "a mask operator has a mask")?;
         let next = PolygonNet { duals: 0, phase: None, anchor: None, ..landed };
