@@ -45,9 +45,8 @@ pub struct ValenceReport {
     pub valence: usize,
     /// The eigenvalues with their Fourier indices, the largest first.
     pub eigenvalues: Vec<LocalEigenvalue>,
-    /// The subdominant eigenvalue: the largest of Fourier index 1, if it is real and positive.
-    pub subdominant: Option<f64>,
-    /// The ratio of the absolute value of the next eigenvalue to the subdominant eigenvalue.
+    /// The ratio of the absolute value of the next eigenvalue to the subdominant one, the largest of Fourier index 1, if
+    /// that is real and positive.
     pub ratio: Option<f64>,
     /// The weights of the limit position.
     pub limit_mask: Vec<PointWeight>,
@@ -166,7 +165,6 @@ impl SurfaceStudy {
         });
         Ok(ValenceReport {
             valence,
-            subdominant: spectrum.subdominant(),
             ratio: spectrum.subdominant().map(|value| spectrum.next().0 / value),
             limit_mask: spectrum.limit_mask(),
             tangent_masks,
