@@ -15,7 +15,25 @@ pub const NONE: u32 = u32::MAX;
 /// Minimum number of items that one thread takes at a time in loops that make topologies: some ten microseconds at 10
 /// ns an item, more than handing them to another thread costs. Half of it makes switching felt; with twice of it the
 /// loops of nets of a few thousand faces have work for fewer threads.
-pub(super) const SERIAL_LOOP: usize = 1024;
+const SERIAL_LOOP: usize = 1024;
+
+/// Returns the numbers below `n`, for loops that make topologies.
+pub(super) fn each(n: usize) -> impl IndexedParallelIterator<Item = usize> {
+    (0..n).into_par_iter().with_min_len(SERIAL_LOOP)
+}
+
+/// Returns the vertices and the edges of `n` faces with `sides` sides each, as `fill` writes them to its second and
+/// third argument for the face that is its first.
+pub(super) fn filled(
+    sides: usize,
+    n: usize,
+    fill: impl Fn(usize, &mut [u32], &mut [u32]) + Sync,
+) -> (Vec<u32>, Vec<u32>) {
+    let (mut vertices, mut edges) = (vec![0; sides * n], vec![0; sides * n]);
+    let faces = vertices.par_chunks_exact_mut(sides).zip(edges.par_chunks_exact_mut(sides));
+    faces.enumerate().with_min_len(SERIAL_LOOP).for_each(|(face, (vertices, edges))| fill(face, vertices, edges));
+    (vertices, edges)
+}
 
 /// Connectivity of an oriented 2-manifold with boundary; every vertex has at most one fan of faces.
 #[derive(Debug, Clone, PartialEq, Eq)]
