@@ -16,8 +16,8 @@ use crate::shape::numbering::Numbering;
 use crate::shape::topology::{Topology, index};
 use crate::watch::{Stopped, Watch};
 
-/// A net whose vertices and points are in the order of construction, with the neighbourhoods of its vertices that limits
-/// need.
+/// A net whose vertices and points are in the order of construction, with the neighbourhoods of its vertices that
+/// limits need.
 ///
 /// Limits are computed for vertices, as weighted means of points. If steps before the next upsampling put faces in the
 /// place of vertices, points are numbered after these steps, and [`centre`](Self::centre) returns what took the place

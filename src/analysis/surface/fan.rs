@@ -7,6 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use super::layout;
 use super::local::{Applied, Followed, rows, with_margin};
 use super::sectors::{LatticePoint, NetKind, WEIGHT_ROUNDING};
 use super::star::{SectorPoint, Star};
@@ -151,7 +152,7 @@ impl Applied {
         if beyond == FanBoundary::Faces {
             let n = starts.len();
             let end = topology.vertex(topology.next(starts[0]));
-            let (turned, _) = layout.turned(kind, n, &old, end)?.ok_or(Unlimited::Unsettled)?;
+            let (turned, _) = layout::turned(&layout, kind, n, &old, end)?.ok_or(Unlimited::Unsettled)?;
             starts.rotate_left((n - turned) % n);
         }
         let mut wanted: BTreeMap<FanPlace, u32> = BTreeMap::from([(None, middle)]);

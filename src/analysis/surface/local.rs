@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::layout::PlacementRecord;
+use super::layout;
 use super::sectors::{LatticePoint, NetKind};
 use super::star::{SectorPoint, Star, sector, starts};
 use crate::analysis::limit::{Centre, CycleRecord, Unlimited, WeightMode, child};
@@ -97,7 +97,9 @@ impl Applied {
             return Err(Unlimited::Lost);
         }
         let first = first(&topology, self.kind, starts[0]);
-        let Some((turned, shrinks)) = layout.turned(self.kind, n, &star.places, first)? else { return Ok(None) };
+        let Some((turned, shrinks)) = layout::turned(&layout, self.kind, n, &star.places, first)? else {
+            return Ok(None);
+        };
         let wanted = sector(&topology, self.kind, starts[(n - turned) % n], radius);
         if wanted.len() != self.kind.points(radius).len() {
             return Err(Unlimited::Reach);
@@ -124,9 +126,9 @@ impl Applied {
 
     /// Takes the steps of the cycle from a net, and follows its centre.
     pub(super) fn followed(&self, mut net: MeshNet, mut centre: Centre, watch: &Watch) -> Result<Followed, Unlimited> {
-        let (mut record, mut layout) = (CycleRecord::new(WeightMode::Exact), PlacementRecord::new());
+        let (mut record, mut layout) = (CycleRecord::new(WeightMode::Exact), CycleRecord::new(WeightMode::Exact));
         for step in &self.steps {
-            layout.add(&self.plan, &net, step)?;
+            layout::record(&mut layout, &self.plan, &net, step)?;
             let next = Stepper::new(&self.plan).next(&net, step)?;
             record.add(next.action)?;
             centre = child(centre, step.letter.facts().children, [&net, &next.net], &record)?;
@@ -145,8 +147,8 @@ pub(super) struct Followed {
     pub(super) centre: Centre,
     /// The weights of the steps.
     pub(super) record: CycleRecord,
-    /// The places of the points.
-    pub(super) layout: PlacementRecord,
+    /// The places of the points: the weights of the steps that make new points, with the kernel 1.
+    pub(super) layout: CycleRecord,
 }
 
 /// Returns what is found with the least of the tried margins that is wide enough.

@@ -45,8 +45,8 @@ pub struct ValenceReport {
     pub valence: usize,
     /// The eigenvalues with their Fourier indices, the largest first.
     pub eigenvalues: Vec<LocalEigenvalue>,
-    /// The ratio of the absolute value of the next eigenvalue to the subdominant one, the largest of Fourier index 1, if
-    /// that is real and positive.
+    /// The ratio of the absolute value of the next eigenvalue to the subdominant one, the largest of Fourier index 1,
+    /// if that is real and positive.
     pub ratio: Option<f64>,
     /// The weights of the limit position.
     pub limit_mask: Vec<PointWeight>,
