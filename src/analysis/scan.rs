@@ -8,7 +8,7 @@ use num_traits::ToPrimitive;
 use super::smoothness::Smoothness;
 use super::study::Study;
 use crate::fault::Fault;
-use crate::math::exact::{Exact, rounded};
+use crate::math::exact::Exact;
 use crate::math::number::Number;
 use crate::math::parameter::Literal;
 use crate::scheme::plan::PlanInput;
@@ -266,12 +266,5 @@ impl KnownResults {
             interval.after = above.find_map(decided).flatten();
         }
         found
-    }
-}
-
-impl ScanRow {
-    /// Returns the value in f64.
-    pub fn rounded(&self) -> f64 {
-        rounded(&self.value)
     }
 }

@@ -157,12 +157,10 @@ fn distance(a: &CycleMask, b: &CycleMask) -> f64 {
 
 /// Returns whether the symbol vanishes at all d-th roots of `exp(i alpha)` other than `exp(i alpha / d)`.
 fn keeps_circles(cycle: &CycleMask, alpha: f64) -> bool {
-    #[expect(clippy::cast_precision_loss, reason = "arities are small")]
-    let (d, count) = (cycle.arity as f64, cycle.arity);
+    let (d, count) = (f64::whole(cycle.arity), cycle.arity);
     let size: f64 = cycle.mask.values.iter().map(|a| a.abs()).sum();
     (1..count).all(|turn| {
-        #[expect(clippy::cast_precision_loss, reason = "arities are small")]
-        let angle = (alpha + 2.0 * std::f64::consts::PI * turn as f64) / d;
+        let angle = (alpha + 2.0 * std::f64::consts::PI * f64::whole(turn)) / d;
         let part = |function: fn(f64) -> f64| -> f64 {
             (cycle.mask.first..).zip(&cycle.mask.values).map(|(j, a)| a * function(f64::from(j) * angle)).sum()
         };

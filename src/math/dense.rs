@@ -146,12 +146,14 @@ impl Dense {
 /// Returns fixed numbers without a symmetry that the matrix could share.
 fn pattern_free(n: usize) -> Vec<f64> {
     let mut state = 0x2545_F491_4F6C_DD1D_u64;
-    let mut next = || {
-        // xorshift: G. Marsaglia, Journal of Statistical Software 8 (2003), 1-6
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        f64::from(u32::try_from(state >> 33).unwrap_or(0)) / f64::from(u32::MAX) + 0.25
-    };
-    (0..n).map(|_| next()).collect()
+    let next = |_| f64::from(u32::try_from(xorshift(&mut state) >> 33).unwrap_or(0)) / f64::from(u32::MAX) + 0.25;
+    (0..n).map(next).collect()
+}
+
+/// Returns the next number of a fixed sequence. Source: G. Marsaglia, Journal of Statistical Software 8 (2003), 1-6.
+pub fn xorshift(state: &mut u64) -> u64 {
+    *state ^= *state << 13;
+    *state ^= *state >> 7;
+    *state ^= *state << 17;
+    *state
 }

@@ -2,7 +2,7 @@
 
 use num_bigint::BigInt;
 use num_rational::Ratio;
-use num_traits::{Pow, Signed, ToPrimitive, Zero};
+use num_traits::{One, Pow, Signed, ToPrimitive, Zero};
 
 use crate::math::number::Number;
 
@@ -30,6 +30,44 @@ impl Number for Exact {
 /// Returns the fraction, or `None` if it has too many digits.
 pub fn bounded(x: Exact) -> Option<Exact> {
     (x.numer().bits() + x.denom().bits() <= MAX_BITS).then_some(x)
+}
+
+/// A sequence of values with indices; 0 outside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExactSequence {
+    /// The index of the first value.
+    pub first: i64,
+    /// The values from `first` on.
+    pub values: Vec<Exact>,
+}
+
+impl ExactSequence {
+    /// Returns 1 at the index `first` and 0 elsewhere.
+    pub fn impulse(first: i64) -> Self {
+        Self { first, values: vec![Exact::one()] }
+    }
+
+    /// Returns 0 everywhere.
+    pub fn zero() -> Self {
+        Self { first: 0, values: vec![Exact::zero()] }
+    }
+
+    /// Returns the value with an index.
+    pub fn at(&self, i: i64) -> Exact {
+        let found = usize::try_from(i - self.first).ok().and_then(|place| self.values.get(place));
+        found.cloned().unwrap_or_else(Exact::zero)
+    }
+
+    /// Returns the index of the last value.
+    pub fn last(&self) -> i64 {
+        self.first + i64::try_from(self.values.len()).unwrap_or(0) - 1
+    }
+
+    /// Computes the values from `first` to `last`; `None` if a fraction has too many digits.
+    pub fn made(first: i64, last: i64, value: impl Fn(i64) -> Exact) -> Option<Self> {
+        let values: Option<Vec<Exact>> = (first..=last).map(|j| bounded(value(j))).collect();
+        Some(Self { first, values: values? })
+    }
 }
 
 /// Parses a decimal number: `12`, `0.05`, `1.5e-3`; `None` for anything else.

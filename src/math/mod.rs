@@ -2,6 +2,7 @@
 
 pub mod amounts;
 pub mod dense;
+pub mod distinct;
 pub mod elimination;
 pub mod exact;
 pub mod exactly;

@@ -54,9 +54,14 @@ pub struct Parameter {
 }
 
 impl Parameter {
+    /// Declares a parameter without unit.
+    pub const fn new(name: &'static str, kind: ParameterKind, default: Default, doc: &'static str) -> Self {
+        Self { name, kind, unit: "", default, doc }
+    }
+
     /// Declares a number in `[min, max]` without unit.
     pub const fn number(name: &'static str, [min, max]: [f64; 2], default: Default, doc: &'static str) -> Self {
-        Self { name, kind: ParameterKind::Number { min, max }, unit: "", default, doc }
+        Self::new(name, ParameterKind::Number { min, max }, default, doc)
     }
 
     /// Returns whether the parameter must be given.
@@ -66,22 +71,22 @@ impl Parameter {
 
     /// Declares a choice among names; the first one is the default.
     pub const fn choice(name: &'static str, names: &'static [&'static str], doc: &'static str) -> Self {
-        Self { name, kind: ParameterKind::Choice(names), unit: "", default: Default::Text(names[0]), doc }
+        Self::new(name, ParameterKind::Choice(names), Default::Text(names[0]), doc)
     }
 
     /// Declares a flag that is `false` by default.
     pub const fn flag(name: &'static str, doc: &'static str) -> Self {
-        Self { name, kind: ParameterKind::Flag, unit: "", default: Default::Flag(false), doc }
+        Self::new(name, ParameterKind::Flag, Default::Flag(false), doc)
     }
 
     /// Declares a parameter without unit that may be left out and then has no value.
     pub const fn optional(name: &'static str, kind: ParameterKind, doc: &'static str) -> Self {
-        Self { name, kind, unit: "", default: Default::Absent, doc }
+        Self::new(name, kind, Default::Absent, doc)
     }
 
     /// Declares a whole number in `[min, max]` without unit.
     pub const fn integer(name: &'static str, [min, max]: [i64; 2], default: f64, doc: &'static str) -> Self {
-        Self { name, kind: ParameterKind::Integer { min, max }, unit: "", default: Default::Number(default), doc }
+        Self::new(name, ParameterKind::Integer { min, max }, Default::Number(default), doc)
     }
 }
 

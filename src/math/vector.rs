@@ -8,6 +8,12 @@ pub type Vector = [f64; 3];
 /// A complex number: its real and its imaginary part.
 pub type Complex = [f64; 2];
 
+/// Returns the product of two complex numbers.
+#[must_use]
+pub fn complex_product([a, b]: Complex, [c, d]: Complex) -> Complex {
+    [a * c - b * d, a * d + b * c]
+}
+
 /// Returns the sum of two vectors.
 #[must_use]
 pub fn plus<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::math::functions::real;
 use crate::shape::attributes::Attributes;
 use crate::shape::directions::Directions;
 use crate::shape::numbering::Numbering;
@@ -50,7 +51,5 @@ pub(super) fn mean(array: &[f64], topology: &Topology, i: usize) -> f64 {
     if face.iter().all(|&v| array[v as usize].to_bits() == first.to_bits()) {
         return first;
     }
-    #[expect(clippy::cast_precision_loss, reason = "faces have far fewer than 2^52 vertices")]
-    let n = face.len() as f64;
-    face.iter().map(|&v| array[v as usize]).sum::<f64>() / n
+    face.iter().map(|&v| array[v as usize]).sum::<f64>() / real(face.len())
 }

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::mesh_net::MeshNet;
-use super::sharpness::{Sharpness, edges_at};
+use super::sharpness::Sharpness;
 use super::tags::Tags;
+use crate::math::distinct::distinct;
 use crate::shape::topology::{Topology, index};
 
 /// The rule that gives a vertex its new position.
@@ -84,12 +85,10 @@ impl Creases {
 
     fn of(topology: &Topology, before: &Arc<Sharpness>, after: &After<'_>) -> Self {
         let ends = before.edges().iter().flat_map(|&(e, _)| topology.ends(e as usize));
-        let mut apart: Vec<u32> = ends.chain(before.vertices().iter().map(|&(v, _)| v)).collect();
+        let tagged = ends.chain(before.vertices().iter().map(|&(v, _)| v));
         let around = |v: u32| SharpEdges::of(topology, before, v as usize, after);
         let followers: BTreeMap<u32, u32> = before.followers().iter().copied().collect();
-        apart.extend(followers.keys());
-        apart.sort_unstable();
-        apart.dedup();
+        let apart = distinct(tagged.chain(followers.keys().copied()));
         let blend = |v: u32| {
             let blend = match followers.get(&v) {
                 Some(&other) => around(v).following(&around(other), after.is_sharp_beside(other)),
@@ -165,7 +164,7 @@ impl SharpEdges {
         let values = [before.vertex(v), after.vertex(v)];
         around.corner = values.map(|sharpness| sharpness > 0.0);
         around.vanish(values);
-        for e in edges_at(topology, v) {
+        for e in topology.edges_at(v) {
             let values = if topology.is_boundary_edge(e as usize) {
                 [f64::INFINITY; 2]
             } else {

@@ -1,6 +1,7 @@
 //! Ranges of masks: how an operator of some arity moves and counts the points of a polygon.
 
 use super::extent::Extent;
+use crate::math::mask::Mask;
 
 /// The arity of an operator and the range of its mask: new point `j` depends on the old points `i` with
 /// `first <= j - d i <= last`.
@@ -32,6 +33,11 @@ pub struct Landing {
 }
 
 impl MaskRange {
+    /// Returns the range of a mask.
+    pub(super) fn of(arity: u32, mask: &Mask) -> Self {
+        Self { arity, first: mask.first, last: mask.last() }
+    }
+
     /// Returns the range of the mask of U of arity d.
     pub const fn upsample(arity: u32) -> Self {
         let reach = arity.cast_signed() - 1;

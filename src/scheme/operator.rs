@@ -19,9 +19,9 @@ pub trait Operator: fmt::Debug + Send + Sync {
     /// Returns the facts of the operator.
     fn facts(&self) -> &'static Facts;
     /// Returns how the operator moves and counts the points of a polygon after `duals` half steps since the last
-    /// upsampling; `None` if every point keeps its place in the sequence.
-    fn mask_range(&self, _settings: &LetterSettings, _duals: u32) -> Option<MaskRange> {
-        None
+    /// upsampling, by default as the mask of the letter does; `None` if every point keeps its place in the sequence.
+    fn mask_range(&self, settings: &LetterSettings, _duals: u32) -> Option<MaskRange> {
+        settings.mask().map(|mask| MaskRange::of(settings.arity(), &mask))
     }
     /// Sets the values of a letter that depend on alpha.
     ///

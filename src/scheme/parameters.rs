@@ -21,22 +21,16 @@ pub const ARITY: Parameter =
 pub const AVERAGES: Parameter = Parameter::integer("averages", [0, 12], 1.0, "Number m of averages of d points.");
 
 /// The entries of a mask.
-pub const MASK: Parameter = Parameter {
-    name: "mask",
-    kind: ParameterKind::Numbers { most: 129 },
-    unit: "",
-    default: Default::Required,
-    doc: "Entries of the mask.",
-};
+pub const MASK: Parameter =
+    Parameter::new("mask", ParameterKind::Numbers { most: 129 }, Default::Required, "Entries of the mask.");
 
 /// The index of the first entry of a mask.
-pub const FIRST: Parameter = Parameter {
-    name: "first",
-    kind: ParameterKind::Integer { min: -128, max: 128 },
-    unit: "",
-    default: Default::Required,
-    doc: "Index of the first entry.",
-};
+pub const FIRST: Parameter = Parameter::new(
+    "first",
+    ParameterKind::Integer { min: -128, max: 128 },
+    Default::Required,
+    "Index of the first entry.",
+);
 
 /// The alpha of the first U, in radians.
 pub const ALPHA: Parameter = Parameter {
@@ -48,32 +42,29 @@ pub const ALPHA: Parameter = Parameter {
 };
 
 /// The kernel f(alpha).
-pub const KERNEL: Parameter = Parameter {
-    name: "kernel",
-    kind: ParameterKind::Expressions { variable: "alpha", most: 8 },
-    unit: "",
-    default: Default::Number(1.0),
-    doc: "Weight of vertices in the first average after a U; a list gives the second, third, ... average theirs.",
-};
+pub const KERNEL: Parameter = Parameter::new(
+    "kernel",
+    ParameterKind::Expressions { variable: "alpha", most: 8 },
+    Default::Number(1.0),
+    "Weight of vertices in the first average after a U; a list gives the second, third, ... average theirs.",
+);
 
 /// The compensation function omega(alpha).
-pub const COMPENSATION: Parameter = Parameter {
-    name: "compensation",
-    kind: ParameterKind::Expression { variable: "alpha" },
-    unit: "",
-    default: Default::Number(1.0),
-    doc: "How strongly P moves edge points (omega) and face points (omega squared) along with the vertices.",
-};
+pub const COMPENSATION: Parameter = Parameter::new(
+    "compensation",
+    ParameterKind::Expression { variable: "alpha" },
+    Default::Number(1.0),
+    "How strongly P moves edge points (omega) and face points (omega squared) along with the vertices.",
+);
 
 /// The push-back factor delta.
-pub const DELTA: Parameter = Parameter {
-    name: "delta",
-    kind: ParameterKind::Expression { variable: "valence" },
-    unit: "",
-    default: Default::Number(1.0),
-    doc: "Push-back factor: 0 approximates, 1 interpolates; on meshes it may depend on the valence (on boundaries 4, \
+pub const DELTA: Parameter = Parameter::new(
+    "delta",
+    ParameterKind::Expression { variable: "valence" },
+    Default::Number(1.0),
+    "Push-back factor: 0 approximates, 1 interpolates; on meshes it may depend on the valence (on boundaries 4, \
           with split triangle 6).",
-};
+);
 
 /// The alpha of the compensation, if it differs.
 pub const COMPENSATION_ALPHA: Parameter = Parameter {

@@ -227,10 +227,7 @@ impl Plan {
     /// are bicubic, in the same way on each level.
     pub fn is_bicubic(&self) -> bool {
         let Word { prefix, cycle } = &self.word;
-        let halves = |letter: &Letter| {
-            let settings = &letter.settings;
-            letter.facts().role == Role::Upsample && settings.arity() == 2 && settings.tile() == Tile::Quad
-        };
+        let halves = |letter: &Letter| letter.facts().role == Role::Upsample && letter.settings.halves();
         prefix.is_empty() && matches!(&cycle[..], [first, second] if halves(first) && second.facts().bicubic)
     }
 

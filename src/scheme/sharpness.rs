@@ -63,6 +63,11 @@ fn less(sharpness: f64) -> f64 {
     if sharpness >= INFINITE_SHARPNESS { sharpness } else { (sharpness - 1.0).max(0.0) }
 }
 
+/// Returns what stays sharp on the next level.
+fn lessened(sharp: &[(u32, f64)]) -> Sharp {
+    sharp.iter().map(|&(i, sharpness)| (i, less(sharpness))).filter(|&(_, sharpness)| sharpness > 0.0).collect()
+}
+
 impl Sharpness {
     /// Creates the sharpness from edges and vertices, both ascending and above 0; `None` if everything is smooth.
     pub fn of(edges: &Sharp, vertices: &Sharp) -> Option<Self> {
@@ -125,51 +130,42 @@ impl Sharpness {
     ///
     /// Source: DeRose, Kass and Truong, SIGGRAPH 1998, 85-94; Chaikin's rule as in OpenSubdiv 3.5.
     pub fn split(&self, topology: &Topology, creasing: Creasing) -> Option<Self> {
-        let vertices = self.vertices.iter().map(|&(v, sharpness)| (v, less(sharpness)));
-        let vertices = vertices.filter(|&(_, sharpness)| sharpness > 0.0).collect();
+        if creasing == Creasing::Uniform {
+            return self.next(self.lessened_pieces(2), lessened(&self.elsewhere));
+        }
         let mut edges = Sharp::with_capacity(2 * self.edges.len());
         let mut elsewhere = Vec::with_capacity(self.elsewhere.len());
-        match creasing {
-            Creasing::Uniform => {
-                let halves = |&(e, sharpness): &(u32, f64)| [(2 * e, less(sharpness)), (2 * e + 1, less(sharpness))];
-                edges.extend(self.edges.iter().flat_map(halves));
-                elsewhere.extend(self.elsewhere.iter().map(|&(v, sharpness)| (v, less(sharpness))));
-            }
-            Creasing::Chaikin => {
-                let mut ends = self.ends(topology);
-                ends.extend(self.elsewhere.iter().map(|&(vertex, sharpness)| EdgeEnd {
-                    vertex,
-                    half: NONE,
-                    sharpness,
-                }));
-                ends.sort_by_key(|end| (end.vertex, end.half));
-                for (end, child) in ends.chunk_by(|a, b| a.vertex == b.vertex).flat_map(chaikin) {
-                    if end.half == NONE {
-                        elsewhere.push((end.vertex, child));
-                    } else {
-                        edges.push((end.half, child));
-                    }
-                }
-                edges.sort_unstable_by_key(|&(e, _)| e);
+        let mut ends = self.ends(topology);
+        ends.extend(self.elsewhere.iter().map(|&(vertex, sharpness)| EdgeEnd { vertex, half: NONE, sharpness }));
+        ends.sort_by_key(|end| (end.vertex, end.half));
+        for (end, child) in ends.chunk_by(|a, b| a.vertex == b.vertex).flat_map(chaikin) {
+            if end.half == NONE {
+                elsewhere.push((end.vertex, child));
+            } else {
+                edges.push((end.half, child));
             }
         }
+        edges.sort_unstable_by_key(|&(e, _)| e);
         edges.retain(|&(_, sharpness)| sharpness > 0.0);
         elsewhere.retain(|&(_, sharpness)| sharpness > 0.0);
-        self.next(edges, vertices, elsewhere)
+        self.next(edges, elsewhere)
     }
 
     /// Returns the sharpness after a split whose edge `e` becomes the edges `d e`, `d e + 1`, ..., in order: infinite
     /// sharpness stays, any other decays once.
     pub fn pieces(&self, d: usize) -> Option<Self> {
-        let vertices = self.vertices.iter().map(|&(v, sharpness)| (v, less(sharpness)));
-        let pieces = |&(e, sharpness): &(u32, f64)| (0..d).map(move |at| (index(e as usize * d + at), less(sharpness)));
-        let mut edges: Sharp = self.edges.iter().flat_map(pieces).collect();
-        edges.retain(|&(_, sharpness)| sharpness > 0.0);
-        self.next(edges, vertices.filter(|&(_, sharpness)| sharpness > 0.0).collect(), Vec::new())
+        self.next(self.lessened_pieces(d), Vec::new())
+    }
+
+    /// Returns the d pieces of each edge that stay sharp where edges hand on their sharpness less 1.
+    fn lessened_pieces(&self, d: usize) -> Sharp {
+        let piece = |e: u32, at: usize| index(e as usize * d + at);
+        lessened(&self.edges).iter().flat_map(|&(e, s)| (0..d).map(move |at| (piece(e, at), s))).collect()
     }
 
     /// Returns the sharpness after a split; vertices keep their indices, so that followers stay valid.
-    fn next(&self, edges: Sharp, vertices: Sharp, elsewhere: Vec<(u32, f64)>) -> Option<Self> {
+    fn next(&self, edges: Sharp, elsewhere: Vec<(u32, f64)>) -> Option<Self> {
+        let vertices = lessened(&self.vertices);
         let any = !edges.is_empty() || !vertices.is_empty() || !elsewhere.is_empty();
         any.then(|| Self { edges, vertices, following: self.following.clone(), elsewhere: elsewhere.into() })
     }
@@ -224,15 +220,5 @@ fn chaikin(around: &[EdgeEnd]) -> impl Iterator<Item = (EdgeEnd, f64)> + '_ {
             less(end.sharpness)
         };
         (*end, child)
-    })
-}
-
-/// Returns the edges at vertex `v`, counter-clockwise; on the boundary from boundary edge to boundary edge.
-pub(super) fn edges_at(topology: &Topology, v: usize) -> impl Iterator<Item = u32> + '_ {
-    let ring = topology.ring(v);
-    ring.flat_map(|half_edge| {
-        let before = topology.previous(half_edge);
-        let last = (topology.twin(before) == NONE).then(|| topology.edge(before));
-        std::iter::once(topology.edge(half_edge)).chain(last)
     })
 }

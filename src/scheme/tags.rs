@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::math::distinct::distinct;
 use crate::shape::topology::{Topology, index};
 
 /// The boundary rule of meshes.
@@ -81,25 +82,19 @@ impl Tags {
 
 /// Returns the tagged corners and, if the boundary rule demands it, boundary vertices with one face.
 fn fixed(topology: &Topology, corners: &[u32], boundary: Boundary) -> Arc<[u32]> {
-    let mut fixed = corners.to_vec();
-    if boundary == Boundary::EdgeAndCorner {
-        let lone = (0..topology.n_vertices())
-            .filter(|&v| topology.boundary_edges(v).is_some() && topology.ring(v).count() == 1);
-        fixed.extend(lone.map(index));
-        fixed.sort_unstable();
-        fixed.dedup();
+    if boundary != Boundary::EdgeAndCorner {
+        return corners.into();
     }
-    fixed.into()
+    let is_lone = |&v: &usize| topology.boundary_edges(v).is_some() && topology.ring(v).count() == 1;
+    let lone = (0..topology.n_vertices()).filter(is_lone).map(index);
+    distinct(corners.iter().copied().chain(lone)).into()
 }
 
 /// Returns the tagged holes and, if the boundary rule is `None`, faces that touch the boundary.
 fn hidden(topology: &Topology, holes: &[u32], boundary: Boundary) -> Arc<[u32]> {
-    let mut hidden = holes.to_vec();
-    if boundary == Boundary::None {
-        let touches = |f: &usize| topology.face(*f).iter().any(|&v| topology.boundary_edges(v as usize).is_some());
-        hidden.extend((0..topology.n_faces()).filter(touches).map(index));
-        hidden.sort_unstable();
-        hidden.dedup();
+    if boundary != Boundary::None {
+        return holes.into();
     }
-    hidden.into()
+    let touches = |f: &usize| topology.face(*f).iter().any(|&v| topology.boundary_edges(v as usize).is_some());
+    distinct(holes.iter().copied().chain((0..topology.n_faces()).filter(touches).map(index))).into()
 }

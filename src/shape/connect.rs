@@ -3,6 +3,7 @@
 use super::check::{FaceList, FaceSide, NonManifold, Winding, check_edges, check_faces, groups, orient, sides};
 use super::topology::{FaceLayout, NONE, Topology, index};
 use crate::fault::Fault;
+use crate::math::distinct::distinct;
 
 /// A topology, and how the input was changed to obtain it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -44,9 +45,7 @@ impl Topology {
     /// # Errors
     /// None are known, since a part of an oriented manifold is an oriented manifold.
     pub fn submesh(&self, faces: &[u32]) -> Result<(Self, Vec<u32>), Vec<Fault>> {
-        let mut vertices: Vec<u32> = faces.iter().flat_map(|&f| self.face(f as usize)).copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
+        let mut vertices = distinct(faces.iter().flat_map(|&f| self.face(f as usize)).copied());
         let number = |v: &u32| vertices.binary_search(v).map_or(NONE, index);
         let faces = faces.iter().map(|&f| self.face(f as usize).iter().map(number)).collect();
         let CheckedTopology { topology, split_from, .. } = Self::of_faces(vertices.len(), faces, Winding::Refuse)?;

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::check::{FaceList, Winding};
 use super::connect::CheckedTopology;
-use super::topology::{FaceLayout, NONE, SERIAL_LOOP, Topology, index};
+use super::topology::{FaceLayout, NONE, Topology, each, index};
 use crate::fault::Fault;
 
 impl Topology {
@@ -105,11 +105,9 @@ impl<'a> CornerCut<'a> {
             let inner = (0..old.n_edges()).map(|e| u32::from(!old.is_boundary_edge(e)));
             inner.scan(0, |sum, one| Some(std::mem::replace(sum, *sum + one))).collect()
         });
-        let mut starts: Vec<u32> = (0..old.n_vertices())
-            .into_par_iter()
-            .with_min_len(SERIAL_LOOP)
-            .map(|v| if n_boundary > 0 && old.boundary_edges(v).is_some() { 0 } else { index(old.ring(v).count()) })
-            .collect();
+        let is_open = |v: usize| n_boundary > 0 && old.boundary_edges(v).is_some();
+        let size = |v: usize| if is_open(v) { 0 } else { index(old.ring(v).count()) };
+        let mut starts: Vec<u32> = each(old.n_vertices()).map(size).collect();
         let mut sum = 0;
         starts.iter_mut().for_each(|start| sum += std::mem::replace(start, sum));
         starts.push(sum);
@@ -179,16 +177,14 @@ impl<'a> CornerCut<'a> {
             (vertices, [self.crossing(first), second, self.crossing(second), first])
         };
         let inner = |e: &usize| self.rank.is_none() || !old.is_boundary_edge(*e);
-        let of_edges: Vec<_> =
-            (0..old.n_edges()).into_par_iter().with_min_len(SERIAL_LOOP).filter(inner).map(of_edge).collect();
+        let of_edges: Vec<_> = each(old.n_edges()).filter(inner).map(of_edge).collect();
         let of_vertex = |v: usize| {
             let shown = self.starts[v + 1] > self.starts[v];
             let ring = shown.then(|| old.ring(v)).into_iter().flatten();
             // the edge to the next vertex crosses the edge before, which the next half-edge of the ring leaves
             ring.map(|half_edge| (half_edge, self.crossing(old.twin(old.previous(half_edge)))))
         };
-        let of_vertices: Vec<(u32, u32)> =
-            (0..old.n_vertices()).into_par_iter().with_min_len(SERIAL_LOOP).flat_map_iter(of_vertex).collect();
+        let of_vertices: Vec<(u32, u32)> = each(old.n_vertices()).flat_map_iter(of_vertex).collect();
         let vertices = (0..n_c)
             .chain(of_edges.iter().flat_map(|(vertices, _)| *vertices))
             .chain(of_vertices.iter().map(|(vertex, _)| *vertex));
@@ -202,12 +198,12 @@ impl<'a> CornerCut<'a> {
     /// edge.
     fn edges(&self) -> Vec<[u32; 2]> {
         let old = self.old;
-        let along = (0..index(old.n_half_edges())).into_par_iter().with_min_len(SERIAL_LOOP).map(|half_edge| {
+        let along = each(old.n_half_edges()).map(index).map(|half_edge| {
             let [first, second] = old.halves(old.edge(half_edge) as usize);
             let side = if first == half_edge { 3 } else { 1 };
             [half_edge, if second == NONE { NONE } else { self.edge_face(old.edge(half_edge)) + side }]
         });
-        let across = (0..index(old.n_edges())).into_par_iter().with_min_len(SERIAL_LOOP).flat_map_iter(|e| {
+        let across = each(old.n_edges()).map(index).flat_map_iter(|e| {
             let [first, second] = old.halves(e as usize);
             let ends = (second != NONE).then(|| {
                 let start = [self.edge_face(e), self.around(old.next(second))];
@@ -240,6 +236,6 @@ impl<'a> CornerCut<'a> {
             let e = old.edge(half_edge);
             self.edge_face(e) + if old.halves(e as usize)[0] == half_edge { 0 } else { 2 }
         };
-        (0..index(old.n_half_edges())).into_par_iter().with_min_len(SERIAL_LOOP).map(first).collect()
+        each(old.n_half_edges()).map(index).map(first).collect()
     }
 }

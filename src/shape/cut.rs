@@ -98,8 +98,7 @@ fn misfits(faces: &FaceList, sides: &[FaceSide]) -> Vec<Repair> {
         face.sort_unstable();
         face.windows(2).any(|pair| pair[0] == pair[1])
     };
-    let repeating: Vec<u32> = (0..index(faces.len())).filter(repeats).collect();
-    let repeating = AffectedFaces::some(&repeating).map(Repair::Repeating);
+    let repeating = AffectedFaces::some((0..index(faces.len())).filter(repeats)).map(Repair::Repeating);
     crowded.map(Repair::Crowded).into_iter().chain(opposed.map(Repair::Opposed)).chain(repeating).collect()
 }
 

@@ -156,8 +156,7 @@ impl Directions {
         let onward = |e: u32, v: u32| {
             let pair = pairs[v as usize]?;
             let next = if pair[0] == e { pair[1] } else { pair[0] };
-            let [a, b] = topology.ends(next as usize);
-            Some((next, if a == v { b } else { a }))
+            Some((next, topology.other_end(next as usize, v as usize)))
         };
         // the vertices beyond the end `v` of edge `start`, and whether the walk returned to that edge
         let walk = |seen: &mut [bool], start: u32, v: u32| {

@@ -9,7 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::topology::{FaceLayout, NONE, SERIAL_LOOP, Topology, index};
+use super::topology::{FaceLayout, NONE, Topology, each, filled, index};
 
 /// How a split at face centres treats boundary edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,11 +25,7 @@ impl Topology {
     #[must_use]
     pub fn split_at_face_centres(&self, boundary: BoundarySplit) -> Self {
         let split = FaceCentreSplit::of(self, boundary);
-        let n_c = self.n_half_edges();
-        let mut vertices = vec![0; 3 * n_c];
-        let mut edge_of = vec![0; 3 * n_c];
-        let triangles = vertices.par_chunks_exact_mut(3).zip(edge_of.par_chunks_exact_mut(3));
-        triangles.enumerate().with_min_len(SERIAL_LOOP).for_each(|(half_edge, (vertices, edges))| {
+        let (vertices, edge_of) = filled(3, self.n_half_edges(), |half_edge, vertices, edges| {
             vertices.copy_from_slice(&split.triangle(index(half_edge)));
             edges.copy_from_slice(&split.sides(index(half_edge)));
         });
@@ -151,14 +147,11 @@ impl<'a> FaceCentreSplit<'a> {
     /// Returns the half-edges of each edge.
     fn edges(&self) -> Vec<[u32; 2]> {
         let old = self.old;
-        let crossing = (0..old.n_edges()).into_par_iter().with_min_len(SERIAL_LOOP).map(|e| {
+        let crossing = each(old.n_edges()).map(|e| {
             let [first, second] = old.halves(e);
             if second == NONE { [3 * first, NONE] } else { [3 * first + 1, 3 * second + 1] }
         });
-        let spokes = (0..index(old.n_half_edges()))
-            .into_par_iter()
-            .with_min_len(SERIAL_LOOP)
-            .map(|half_edge| self.on_spoke(half_edge));
+        let spokes = each(old.n_half_edges()).map(|half_edge| self.on_spoke(index(half_edge)));
         let extra = self.cut.par_iter().map(|&cut| {
             // from the vertex opposite the cut edge to its second new vertex: in the triangle across, and in the
             // middle triangle
@@ -210,7 +203,6 @@ impl<'a> FaceCentreSplit<'a> {
         };
         // from the second new vertex to the end of the old edge
         let seconds = self.cut.par_iter().map(|&cut| 3 * old.next(cut) + 2);
-        let kept = (0..old.n_vertices()).into_par_iter().with_min_len(SERIAL_LOOP).map(kept);
-        kept.chain((0..old.n_faces()).into_par_iter().with_min_len(SERIAL_LOOP).map(of_face)).chain(seconds).collect()
+        each(old.n_vertices()).map(kept).chain(each(old.n_faces()).map(of_face)).chain(seconds).collect()
     }
 }

@@ -1,6 +1,7 @@
 //! Lists of indices as a client gives them.
 
 use crate::fault::Fault;
+use crate::math::distinct::distinct;
 
 /// Maximum number of faults of a kind that are reported one by one; the others are counted or left out.
 pub(super) const MAX_REPORTED: usize = 20;
@@ -26,7 +27,5 @@ pub(super) fn check_indices(
             }
         }
     }
-    found.sort_unstable();
-    found.dedup();
-    found
+    distinct(found)
 }

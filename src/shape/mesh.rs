@@ -155,7 +155,7 @@ impl Mesh {
         let (positions, frames) = (coordinates(input.positions), input.frames.into_iter().map(coordinates).collect());
         let mut repairs: Vec<Repair> = input.notes.into_iter().map(Repair::Read).chain(input.repairs).collect();
         repairs.extend(cut.into_iter().chain(Repair::split(n, &checked.split_from)));
-        repairs.extend(AffectedFaces::some(&checked.reversed).map(Repair::Turned));
+        repairs.extend(AffectedFaces::some(checked.reversed.iter().copied()).map(Repair::Turned));
         let (fixed, semi_sharp_corners): (Sharp, Sharp) = on_all_parts(corners, n, &checked.split_from)
             .into_iter()
             .partition(|&(_, sharpness)| sharpness >= INFINITE_SHARPNESS);

@@ -41,7 +41,7 @@ impl MeshInput {
                 uvs.seams.join(2, uvs.values.as_flattened(), &self.faces, &welded);
             }
         }
-        self.repairs.extend(AffectedFaces::some(&result.gone).map(Repair::LeftOut));
+        self.repairs.extend(AffectedFaces::some(result.gone.iter().copied()).map(Repair::LeftOut));
         self.positions = welded.kept.iter().map(|&v| self.positions[v as usize]).collect();
         let image =
             |vertex: u64| usize::try_from(vertex).ok().and_then(|v| welded.image.get(v)).map_or(vertex, |&v| v.into());
@@ -110,7 +110,7 @@ impl MeshInput {
         if self.positions.iter().flatten().any(|x| !x.is_finite()) {
             return self;
         }
-        self.repairs.extend(AffectedFaces::some(&changed).map(Repair::Turned));
+        self.repairs.extend(AffectedFaces::some(changed.iter().copied()).map(Repair::Turned));
         seams(&mut self.attachments).for_each(|seams| seams.reverse(&faces, &changed));
         self.faces = faces;
         let mut is_hole = vec![false; self.faces.len()];

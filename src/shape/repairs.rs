@@ -58,20 +58,27 @@ impl Repair {
     }
 }
 
-/// Some edges: their number, and the ends of the first of them.
+/// Some edges or faces: their number, and the first of them.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct AffectedEdges {
-    /// Number of edges.
+pub struct Affected<T> {
+    /// Number of edges or faces.
     pub count: usize,
-    /// The ends of the first edges.
-    pub first: Vec<[u32; 2]>,
+    /// The first of them.
+    pub first: Vec<T>,
 }
 
-impl AffectedEdges {
-    /// Records the edges with these ends; `None` if there are none.
-    pub(super) fn some(mut ends: impl Iterator<Item = [u32; 2]>) -> Option<Self> {
-        let first: Vec<[u32; 2]> = ends.by_ref().take(MAX_NAMED_ITEMS).collect();
-        (!first.is_empty()).then(|| Self { count: first.len() + ends.count(), first })
+/// Some edges by their ends.
+pub type AffectedEdges = Affected<[u32; 2]>;
+
+/// Some faces by their indices.
+pub type AffectedFaces = Affected<u32>;
+
+impl<T> Affected<T> {
+    /// Records these edges or faces; `None` if there are none.
+    pub(super) fn some(items: impl IntoIterator<Item = T>) -> Option<Self> {
+        let mut items = items.into_iter();
+        let first: Vec<T> = items.by_ref().take(MAX_NAMED_ITEMS).collect();
+        (!first.is_empty()).then(|| Self { count: first.len() + items.count(), first })
     }
 }
 
@@ -90,23 +97,6 @@ fn listed(first: &[String], count: usize) -> String {
 /// Returns a number with its noun in the singular or plural.
 fn counted(n: usize, [one, many]: [&str; 2]) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
-}
-
-/// Some faces: their number, and the first of them.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct AffectedFaces {
-    /// Number of faces.
-    pub count: usize,
-    /// The first faces.
-    pub first: Vec<u32>,
-}
-
-impl AffectedFaces {
-    /// Records these faces; `None` if there are none.
-    pub(super) fn some(faces: &[u32]) -> Option<Self> {
-        let first = faces.iter().take(MAX_NAMED_ITEMS).copied().collect();
-        (!faces.is_empty()).then_some(Self { count: faces.len(), first })
-    }
 }
 
 impl fmt::Display for AffectedFaces {

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::topology::{FaceLayout, NONE, Topology, index};
+use super::topology::{FaceLayout, NONE, Topology, each, filled, index};
 
 /// The position of a corner's child quad among the four children of a quad, which are ordered row by row.
 pub(super) const ROW_BY_ROW: [u32; 4] = [0, 1, 3, 2];
@@ -17,10 +17,7 @@ impl Topology {
     #[must_use]
     pub fn split(&self) -> Self {
         let (n_v, n_e, n_c) = (self.n_vertices(), self.n_edges(), self.n_half_edges());
-        let mut vertices = vec![0; 4 * n_c];
-        let mut edge_of = vec![0; 4 * n_c];
-        let quads = vertices.par_chunks_exact_mut(4).zip(edge_of.par_chunks_exact_mut(4));
-        quads.enumerate().with_min_len(1024).for_each(|(child, (vertices, edges))| {
+        let (vertices, edge_of) = filled(4, n_c, |child, vertices, edges| {
             let half_edge = self.parent_half_edge(index(child));
             let rotation = self.child(half_edge, 0) & 3;
             let (quad, sides) = (self.child_quad(half_edge), self.child_edges(half_edge));
@@ -30,8 +27,8 @@ impl Topology {
                 edges[at] = sides[i];
             }
         });
-        let halves = (0..2 * n_e).into_par_iter().with_min_len(1024).map(|half| self.half_corners(half));
-        let spokes = (0..n_c).into_par_iter().with_min_len(1024).map(|half_edge| {
+        let halves = each(2 * n_e).map(|half| self.half_corners(half));
+        let spokes = each(n_c).map(|half_edge| {
             let half_edge = index(half_edge);
             [self.child(half_edge, 1), self.child(self.next(half_edge), 2)]
         });

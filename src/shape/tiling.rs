@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::tile::{Cell, CellSide, Tile, TilePosition};
-use super::topology::{FaceLayout, NONE, Topology, index};
+use super::topology::{FaceLayout, NONE, Topology, each, filled, index};
 
 /// The split of a topology in closed form: the indices of vertices, edges and faces after it, and their origins.
 ///
@@ -128,27 +128,22 @@ impl<'a> Tiling<'a> {
     pub fn topology(&self) -> Topology {
         let (parent, tile, d) = (self.parent, self.tile, self.pieces);
         let sides = tile.sides() as usize;
-        let mut vertices = vec![0; sides * self.n_faces()];
-        let mut edge_of = vec![0; vertices.len()];
-        let cells = vertices.par_chunks_exact_mut(sides).zip(edge_of.par_chunks_exact_mut(sides));
-        cells.enumerate().with_min_len(1024).for_each(|(child, (vertices, edges))| {
+        let (vertices, edge_of) = filled(sides, self.n_faces(), |child, vertices, edges| {
             let (face, cell) = (child / (d * d), tile.cell(d, child % (d * d)));
             vertices.copy_from_slice(&self.face(child)[..sides]);
             (0..).zip(edges).for_each(|(side, edge)| *edge = self.edge(face, cell, side));
         });
-        let pieces = (0..d * parent.n_edges()).into_par_iter().with_min_len(1024).map(|piece| {
+        let pieces = each(d * parent.n_edges()).map(|piece| {
             let [first, second] = parent.halves(piece / d);
             let other = if second == NONE { NONE } else { self.piece(second, d - 1 - piece % d) };
             [self.piece(first, piece % d), other]
         });
-        let each = tile.inner_edges(d);
-        let inner = (0..each * parent.n_faces())
-            .into_par_iter()
-            .with_min_len(1024)
-            .map(|edge| tile.at_edge(d, edge % each).map(|(cell, side)| self.corner(edge / each, cell, side)));
-        let new = parent.n_vertices()..self.n_vertices();
+        let n = tile.inner_edges(d);
+        let sides_of = |edge: usize| tile.at_edge(d, edge % n).map(|(cell, side)| self.corner(edge / n, cell, side));
+        let inner = each(n * parent.n_faces()).map(sides_of);
+        let new = self.n_vertices() - parent.n_vertices();
         let kept = parent.outgoing.par_iter().map(|&c| if c == NONE { NONE } else { self.piece(c, 0) });
-        let made = new.into_par_iter().with_min_len(1024).map(|v| match self.ancestor(v) {
+        let made = each(new).map(|v| match self.ancestor(parent.n_vertices() + v) {
             Ancestor::Edge(edge, at) => self.piece(parent.halves(edge)[0], at),
             Ancestor::Face(face, place) => self.corner(face, Cell::at(place), 0),
             Ancestor::Vertex(_) => unreachable!("vertices of the parent come first"),

@@ -15,7 +15,25 @@ pub const NONE: u32 = u32::MAX;
 /// Minimum number of items that one thread takes at a time in loops that make topologies: some ten microseconds at 10
 /// ns an item, more than handing them to another thread costs. Half of it makes switching felt; with twice of it the
 /// loops of nets of a few thousand faces have work for fewer threads.
-pub(super) const SERIAL_LOOP: usize = 1024;
+const SERIAL_LOOP: usize = 1024;
+
+/// Returns the numbers below `n`, for loops that make topologies.
+pub(super) fn each(n: usize) -> impl IndexedParallelIterator<Item = usize> {
+    (0..n).into_par_iter().with_min_len(SERIAL_LOOP)
+}
+
+/// Returns the vertices and the edges of `n` faces with `sides` sides each, as `fill` writes them to its second and
+/// third argument for the face that is its first.
+pub(super) fn filled(
+    sides: usize,
+    n: usize,
+    fill: impl Fn(usize, &mut [u32], &mut [u32]) + Sync,
+) -> (Vec<u32>, Vec<u32>) {
+    let (mut vertices, mut edges) = (vec![0; sides * n], vec![0; sides * n]);
+    let faces = vertices.par_chunks_exact_mut(sides).zip(edges.par_chunks_exact_mut(sides));
+    faces.enumerate().with_min_len(SERIAL_LOOP).for_each(|(face, (vertices, edges))| fill(face, vertices, edges));
+    (vertices, edges)
+}
 
 /// Connectivity of an oriented 2-manifold with boundary; every vertex has at most one fan of faces.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -234,6 +252,21 @@ impl Topology {
         }
         let last = self.ring(v).last().expect("a vertex with a half-edge has a ring");
         Some([self.edge(start), self.edge(self.previous(last))])
+    }
+
+    /// Returns a half-edge between two vertices, if there is one: the one from the first to the second, if it exists.
+    pub fn between(&self, [a, b]: [u32; 2]) -> Option<u32> {
+        let towards = |a: u32, b: u32| self.ring(a as usize).find(|&half_edge| self.vertex(self.next(half_edge)) == b);
+        towards(a, b).or_else(|| towards(b, a))
+    }
+
+    /// Returns the edges at a vertex, counter-clockwise; on the boundary from boundary edge to boundary edge.
+    pub fn edges_at(&self, v: usize) -> impl Iterator<Item = u32> {
+        self.ring(v).flat_map(|half_edge| {
+            let before = self.previous(half_edge);
+            let last = (self.twin(before) == NONE).then(|| self.edge(before));
+            std::iter::once(self.edge(half_edge)).chain(last)
+        })
     }
 
     /// Returns the valence of vertex `v`, the number of its edges.

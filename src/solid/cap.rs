@@ -1,6 +1,6 @@
 //! Caps around extraordinary vertices, and their distance from the limit surface.
 
-use super::caps::{CapTable, Method};
+use super::caps::{CapTable, DeviationMethod};
 use super::distance::farthest;
 use super::error::SolidError;
 use super::interpolated::interpolated;
@@ -10,25 +10,6 @@ use super::sector::{Sector, SectorKind};
 use super::spline::BSplineSurface;
 use crate::math::functions::real;
 use crate::math::vector::{Vector, plus, times};
-
-/// How a deviation was determined.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum DeviationMethod {
-    /// The deviation is a proven bound.
-    Certified,
-    /// The deviation is the largest one of some samples.
-    Sampled,
-}
-
-impl DeviationMethod {
-    /// Returns the name in certificates.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Certified => "certified",
-            Self::Sampled => "sampled",
-        }
-    }
-}
 
 /// The caps of one sector, one per face.
 #[derive(Debug, Clone)]
@@ -74,12 +55,8 @@ fn fitted(table: &CapTable, ring: &[Vector], tolerance: f64) -> Result<Capped, f
     if found.bound > tolerance {
         return Err(found.bound);
     }
-    let known = match found.method {
-        Method::Certified => DeviationMethod::Certified,
-        Method::Sampled => DeviationMethod::Sampled,
-    };
     let surfaces = table.cap(ring).iter().map(BSplineSurface::bezier).collect();
-    Ok(Capped { surfaces, deviation: found.bound, known, is_tangent: true })
+    Ok(Capped { surfaces, deviation: found.bound, known: found.method, is_tangent: true })
 }
 
 /// Returns bicubic patches with the exact data on the outside, and with Catmull-Clark limits and tangents at the

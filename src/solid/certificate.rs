@@ -1,7 +1,7 @@
 //! The certificate of a solid: its distance from the limit surface, and how its faces meet.
 
 use super::brep::{Brep, Shell};
-use super::cap::DeviationMethod;
+use super::caps::DeviationMethod;
 use super::isolate::Isolated;
 use super::measure::FaceMeasure;
 use crate::math::functions::asin;

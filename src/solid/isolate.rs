@@ -7,7 +7,8 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
-use super::cap::{Capped, DeviationMethod, caps};
+use super::cap::{Capped, caps};
+use super::caps::DeviationMethod;
 use super::edges::Edges;
 use super::error::SolidError;
 use super::level::{Level, Refiner, Sharpened};

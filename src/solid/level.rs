@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::edges::Edges;
 use super::error::SolidError;
+use crate::math::distinct::distinct;
 use crate::math::rows::blend;
 use crate::math::vector::Vector;
 use crate::scheme::mesh_net::MeshNet;
@@ -206,10 +207,7 @@ impl Level {
     fn ring_of(&self, faces: &[u32]) -> Vec<u32> {
         let vertices = faces.iter().flat_map(|&f| self.topology.face(f as usize));
         let corners = vertices.flat_map(|&v| self.topology.ring(v as usize));
-        let mut ring: Vec<u32> = corners.map(|half_edge| index(self.topology.face_of(half_edge))).collect();
-        ring.sort_unstable();
-        ring.dedup();
-        ring
+        distinct(corners.map(|half_edge| index(self.topology.face_of(half_edge))))
     }
 
     /// Returns some faces, ascending, with those that share a vertex with them. Holes among these come with their own
@@ -219,9 +217,7 @@ impl Level {
         if !self.holes.is_empty() {
             let is_hole = |&f: &u32| self.holes.binary_search(&self.inputs[f as usize]).is_ok();
             let holes: Vec<u32> = around.iter().copied().filter(is_hole).collect();
-            around.extend(self.ring_of(&holes));
-            around.sort_unstable();
-            around.dedup();
+            around = distinct(around.into_iter().chain(self.ring_of(&holes)));
         }
         let (topology, origins) =
             self.topology.submesh(&around).map_err(|faults| SolidError::at("", format!("{faults:?}")))?;

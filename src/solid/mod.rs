@@ -26,7 +26,7 @@ mod spline;
 
 pub use brep::{Brep, Edge, Face, Shell};
 pub use build::{Solid, check, solid};
-pub use cap::DeviationMethod;
+pub use caps::DeviationMethod;
 pub use certificate::Certificate;
 pub use error::SolidError;
 pub use forecast::{CageCounts, SolidForecast, operations};

@@ -6,6 +6,7 @@ use super::edges::Edges;
 use super::isolate::Leaf;
 use super::net::BicubicNet;
 use super::request::Pack;
+use crate::math::distinct::distinct;
 use crate::shape::topology::{NONE, index};
 
 /// Maximum number of cells along a side of a rectangle. Half as many make four times as many faces of large regular
@@ -139,9 +140,7 @@ impl LeafPacking<'_> {
             edge == pair[1].side(self.leaves, near) && !self.edges.is_sharp(edge)
         };
         // the outer vertices: the start of each leaf's outer side, and the end of the last one
-        let mut outer: Vec<u32> = line.iter().flat_map(|at| [s, s + 1].map(|s| at.vertex(self.leaves, s))).collect();
-        outer.sort_unstable();
-        outer.dedup();
+        let outer = distinct(line.iter().flat_map(|at| [s, s + 1].map(|s| at.vertex(self.leaves, s))));
         let all_different = outer.len() == line.len() + 1 && outer.iter().all(|v| !vertices.contains(v));
         if !all_different || !line.windows(2).all(joined) {
             return None;

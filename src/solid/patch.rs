@@ -4,6 +4,7 @@ use super::edges::{Edges, SidePiece};
 use super::isolate::{ExtraordinaryCap, Leaf};
 use super::pack::Rectangle;
 use super::spline::{BSplineCurve, BSplineSurface};
+use crate::math::distinct::distinct;
 use crate::math::functions::real;
 
 /// A face with the pieces of its four sides, counter-clockwise from v = 0.
@@ -49,10 +50,7 @@ impl FacePatch {
             }
             steps
         };
-        let mut inputs: Vec<u32> =
-            rows.iter().flatten().map(|placed| leaves[placed.leaf as usize].cell.input).collect();
-        inputs.sort_unstable();
-        inputs.dedup();
+        let inputs = distinct(rows.iter().flatten().map(|placed| leaves[placed.leaf as usize].cell.input));
         Self { surface: BSplineSurface::of_uniform(&net), sides: [0, 1, 2, 3].map(side), inputs, is_exact: true }
     }
 

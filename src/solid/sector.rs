@@ -99,23 +99,14 @@ impl Level {
     /// Returns the infinitely sharp edges at the vertex where a half-edge starts.
     pub(super) fn sharp_edges_at(&self, half_edge: u32) -> Vec<u32> {
         let v = self.topology.vertex(half_edge) as usize;
-        self.edges_at(v).filter(|&e| self.edge_sharpened(e) == Sharpened::Ever).collect()
-    }
-
-    /// Returns the edges at a vertex.
-    fn edges_at(&self, v: usize) -> impl Iterator<Item = u32> {
-        self.topology.ring(v).flat_map(|half_edge| {
-            let before = self.topology.previous(half_edge);
-            let last = (self.topology.twin(before) == NONE).then(|| self.topology.edge(before));
-            std::iter::once(self.topology.edge(half_edge)).chain(last)
-        })
+        self.topology.edges_at(v).filter(|&e| self.edge_sharpened(e) == Sharpened::Ever).collect()
     }
 
     fn kind(&self, half_edge: u32, is_closed: bool) -> SectorKind {
         let v = self.topology.vertex(half_edge);
         let own = self.vertex_sharpened(v);
         let semi = |e| self.edge_sharpened(e) == Sharpened::Semi;
-        if own == Sharpened::Semi || self.edges_at(v as usize).any(semi) {
+        if own == Sharpened::Semi || self.topology.edges_at(v as usize).any(semi) {
             return SectorKind::Undecided;
         }
         let fixed = own == Sharpened::Ever;

@@ -12,9 +12,10 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::analysis::{CertificateAnswer, LevelBoundAnswer, MaskAnswer};
+use crate::analysis::smoothness::SmoothnessCertificate;
 use crate::analysis::surface::{
-    BoundaryReport, Extraordinary, LatticeCertificate, NetKind, PointWeight, Quotient, RegularMask, RegularSmoothness,
-    SmoothnessProof, Status, ValenceReport, evidence, verdict,
+    BoundaryReport, Extraordinary, NetKind, PointWeight, Quotient, RegularMask, RegularSmoothness, SmoothnessProof,
+    Status, ValenceReport, evidence, verdict,
 };
 use parts::{MAX_EIGENVALUES, coordinates, is_there, name};
 
@@ -320,7 +321,7 @@ impl RegularSmoothnessAnswer {
             SmoothnessProof::Norms(found, quotient) => (found, quotient.as_deref()),
         };
         let by_norms = i64::try_from(found.len()).unwrap_or(0) > *proved_c;
-        let certificate = |c: &LatticeCertificate| CertificateAnswer { k: c.k, l: c.l, norm: c.norm };
+        let certificate = |c: &SmoothnessCertificate| CertificateAnswer { k: c.k, l: c.l, norm: c.norm };
         let radius = |of: &Quotient| {
             let lower = of.radius.lower.as_ref().map(|lower| lower.value);
             [lower, Some(of.radius.upper.value)]

@@ -1,5 +1,6 @@
 //! Finds where the rings that a latitude line depends on end: at boundaries, and at creases all around a tube.
 
+use crate::math::distinct::distinct;
 use crate::shape::mesh::Mesh;
 
 /// How a ring of a tube relates to the rings beyond it.
@@ -26,10 +27,7 @@ pub(super) fn beyond(mesh: &Mesh, on_line: &[bool], ring: &[u32]) -> Result<Ring
     let n = ring.len();
     let kinds = (0..n).map(|i| {
         let neighbours = [ring[(i + n - 1) % n], ring[(i + 1) % n]];
-        let mut sharp = sharp_neighbours(mesh, ring[i]);
-        sharp.sort_unstable();
-        sharp.dedup();
-        match sharp.as_slice() {
+        match distinct(sharp_neighbours(mesh, ring[i])).as_slice() {
             [] => Some(RingContinuation::Smooth),
             [a, b] if [[*a, *b], [*b, *a]].contains(&neighbours) => Some(RingContinuation::End),
             _ => None,
@@ -42,13 +40,11 @@ pub(super) fn beyond(mesh: &Mesh, on_line: &[bool], ring: &[u32]) -> Result<Ring
 }
 
 /// Returns the other ends of the sharp edges and boundary edges of `v`, possibly with repetitions.
-fn sharp_neighbours(mesh: &Mesh, v: u32) -> Vec<u32> {
+fn sharp_neighbours(mesh: &Mesh, v: u32) -> impl Iterator<Item = u32> {
     let topology = &mesh.topology;
-    let edges = topology.ring(v as usize).flat_map(|c| [topology.edge(c), topology.edge(topology.previous(c))]);
-    let sharp = edges.filter(|&e| {
+    let sharp = topology.edges_at(v as usize).filter(|&e| {
         let tagged = mesh.creases.binary_search_by_key(&e, |&(edge, _)| edge).is_ok();
         tagged || topology.is_boundary_edge(e as usize)
     });
-    let ends = sharp.map(|e| topology.ends(e as usize));
-    ends.map(|[a, b]| if a == v { b } else { a }).collect()
+    sharp.map(move |e| topology.other_end(e as usize, v as usize))
 }

@@ -1,6 +1,7 @@
 //! One application of a plan's cycle to polygons as one mask, which is found by refining a single impulse.
 
 use crate::math::mask::Mask;
+use crate::math::number::Number;
 use crate::refine::{Points, RefineError, advance};
 use crate::scheme::extent::Ends;
 use crate::scheme::letter::Letter;
@@ -140,11 +141,11 @@ impl CycleMask {
     /// new place at `d i + c`. Exact for symmetric masks.
     pub fn twice_centre(&self) -> i64 {
         let sum: f64 = self.mask.values.iter().sum();
-        let moment: f64 = self.entries().map(|(j, a)| real(j) * a).sum();
+        let moment: f64 = self.entries().map(|(j, a)| f64::whole(j) * a).sum();
         let centre = (2.0 * moment / sum).round();
         let (least, most) = (2 * i64::from(self.mask.first), 2 * i64::from(self.mask.last()));
         // a mask whose centre of gravity is outside of its support is centred on its support
-        (least..=most).find(|&c| (real(c) - centre).abs() < 0.25).unwrap_or_else(|| i64::midpoint(least, most))
+        (least..=most).find(|&c| (f64::whole(c) - centre).abs() < 0.25).unwrap_or_else(|| i64::midpoint(least, most))
     }
 
     /// Returns the cycle that changes nothing.
@@ -202,12 +203,6 @@ pub fn is_static(plan: &Plan) -> bool {
         || plan.word.cycle.iter().any(follows);
     let alphas = [plan.alpha, plan.compensation_alpha.unwrap_or(plan.alpha)];
     !in_alpha || alphas.iter().all(|&alpha| alpha == 0.0)
-}
-
-/// Converts a small integer to f64.
-#[expect(clippy::cast_precision_loss, reason = "indices of masks are far below 2^52")]
-pub(super) fn real(n: i64) -> f64 {
-    n as f64
 }
 
 /// Returns the arity of all steps together and the reach of one point in new points; `None` if either is too large.

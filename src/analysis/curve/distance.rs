@@ -12,7 +12,8 @@
 
 use std::ops::Range;
 
-use super::cycle::{CycleMask, NoMask, real};
+use super::cycle::{CycleMask, NoMask};
+use crate::math::number::Number;
 use crate::scheme::plan::Plan;
 use crate::watch::{Stopped, Watch};
 
@@ -212,7 +213,7 @@ impl CombinedCycle {
         for j in 0..d {
             // twice the place of new point j in units of new edges, from old point 0
             let place = 2 * j - self.twice_centre;
-            let (before, part) = (place.div_euclid(2 * d), real(place.rem_euclid(2 * d)) / real(2 * d));
+            let (before, part) = (place.div_euclid(2 * d), f64::ratio(place.rem_euclid(2 * d), 2 * d));
             most = most.max(bend(&[(1.0, self.row(j)), (-1.0, (before, vec![1.0 - part, part]))])?);
         }
         // old points also count, as vertices of the old polygon; dual schemes place them halfway between new points

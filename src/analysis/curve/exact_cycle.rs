@@ -2,7 +2,7 @@
 
 use num_traits::{One, Zero};
 
-use crate::math::exact::{Exact, bounded};
+use crate::math::exact::{Exact, ExactSequence};
 use crate::math::exactly;
 use crate::math::number::Number;
 use crate::scheme::curve_rule::{CurveRule, between, pair, spread, triple};
@@ -32,40 +32,6 @@ impl ExactCycle {
             state.apply(plan, step)?;
         }
         Some(Self { arity: state.arity, first: state.points.first, mask: state.points.values })
-    }
-}
-
-/// A sequence of values with indices; 0 outside.
-#[derive(Clone)]
-pub(super) struct ExactSequence {
-    pub(super) first: i64,
-    pub(super) values: Vec<Exact>,
-}
-
-impl ExactSequence {
-    /// Returns 1 at the index `first` and 0 elsewhere.
-    pub(super) fn impulse(first: i64) -> Self {
-        Self { first, values: vec![Exact::one()] }
-    }
-
-    /// Returns 0 everywhere.
-    pub(super) fn zero() -> Self {
-        Self { first: 0, values: vec![Exact::zero()] }
-    }
-
-    fn at(&self, i: i64) -> Exact {
-        let found = usize::try_from(i - self.first).ok().and_then(|place| self.values.get(place));
-        found.cloned().unwrap_or_else(Exact::zero)
-    }
-
-    fn last(&self) -> i64 {
-        self.first + i64::try_from(self.values.len()).unwrap_or(0) - 1
-    }
-
-    /// Computes the points from `first` to `last`; `None` if a fraction has too many digits.
-    fn made(first: i64, last: i64, point: impl Fn(i64) -> Exact) -> Option<Self> {
-        let values: Option<Vec<Exact>> = (first..=last).map(|j| bounded(point(j))).collect();
-        Some(Self { first, values: values? })
     }
 }
 

@@ -2,8 +2,8 @@
 
 use num_traits::Zero;
 
-use super::exact_cycle::{ExactSequence, ImpulseResponse};
-use crate::math::exact::Exact;
+use super::exact_cycle::ImpulseResponse;
+use crate::math::exact::{Exact, ExactSequence};
 use crate::scheme::operator::Role;
 use crate::scheme::plan::Plan;
 

@@ -4,7 +4,8 @@
 //! to the place `d x + c` of the next polygon, so that the limit row of a place is the limit row of its image times the
 //! matrix of the cycle.
 
-use super::cycle::{CycleMask, NoMask, SUM_TOLERANCE, real};
+use super::cycle::{CycleMask, NoMask, SUM_TOLERANCE};
+use crate::math::number::Number;
 use crate::scheme::plan::Plan;
 use crate::watch::Watch;
 
@@ -121,7 +122,7 @@ impl WeightRow {
 
     /// Returns the value of the row for points whose positions are their offsets.
     fn slope(&self) -> f64 {
-        self.entries().map(|(o, w)| real(o) / 2.0 * w).sum()
+        self.entries().map(|(o, w)| f64::whole(o) / 2.0 * w).sum()
     }
 }
 
@@ -153,8 +154,8 @@ impl LimitRows {
         let mut tangent = settled_tangents(&settled, &position);
         for cycle in changing.iter().rev() {
             position = before(&position, cycle);
-            tangent =
-                tangent.map(|pair| pure(&before(&pair, cycle), &position).map(|row| row.scaled(real(cycle.arity))));
+            tangent = tangent
+                .map(|pair| pure(&before(&pair, cycle), &position).map(|row| row.scaled(f64::whole(cycle.arity))));
         }
         Ok(Self { position, tangent })
     }

@@ -91,10 +91,7 @@ fn cut(centre: Centre, before: &MeshNet, after: &MeshNet) -> Result<Centre, Unli
         let found = (0..new.n_faces()).find(|&f| same_set(new.face(f), corners));
         found.map(|f| Centre::Face(index(f))).ok_or(Unlimited::Lost)
     };
-    let edge_of = |[a, b]: [u32; 2]| {
-        let towards = |a: u32, b: u32| new.ring(a as usize).find(|&half_edge| new.vertex(new.next(half_edge)) == b);
-        towards(a, b).or_else(|| towards(b, a)).map(Centre::Edge).ok_or(Unlimited::Lost)
-    };
+    let edge_of = |ends: [u32; 2]| new.between(ends).map(Centre::Edge).ok_or(Unlimited::Lost);
     match centre {
         Centre::Face(f) => face_of(&old.half_edges(f as usize).collect::<Vec<_>>()),
         Centre::Edge(half_edge) => edge_of([half_edge, old.next(half_edge)]),

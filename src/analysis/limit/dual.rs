@@ -71,12 +71,8 @@ impl<'a> DualNet<'a> {
         match centre {
             Centre::Vertex(v) => self.of_vertex(number(v)),
             Centre::Edge(half_edge) => {
-                let [a, b] =
-                    [half_edge, constructed.next(half_edge)].map(|half_edge| number(constructed.vertex(half_edge)));
-                let towards = |[a, b]: [u32; 2]| {
-                    self.old.ring(a as usize).find(|&half_edge| self.old.vertex(self.old.next(half_edge)) == b)
-                };
-                self.of_edge(towards([a, b]).or_else(|| towards([b, a])).ok_or(Unlimited::Lost)?)
+                let ends = [half_edge, constructed.next(half_edge)].map(|end| number(constructed.vertex(end)));
+                self.of_edge(self.old.between(ends).ok_or(Unlimited::Lost)?)
             }
             Centre::Face(f) => {
                 let mut face: Vec<u32> = constructed.face(f as usize).iter().map(|&v| number(v)).collect();

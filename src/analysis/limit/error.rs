@@ -46,42 +46,34 @@ pub enum Unlimited {
     NotLinear,
     /// The surroundings of all vertices of a perturbed plan have more than `MAX_FOLLOWED_POINTS` points together.
     #[error(
-        "the vertices of a perturbed plan have more than {} points around them in all, with which each is followed by \
-             itself, beyond which no limit is computed; ask for fewer levels",
-        MAX_FOLLOWED_POINTS
+        "the vertices of a perturbed plan have more than {MAX_FOLLOWED_POINTS} points around them in all, with which \
+             each is followed by itself, beyond which no limit is computed; ask for fewer levels"
     )]
     Followed,
     /// A perturbation keeps the points around a vertex from converging within `MAX_FOLLOWED_LEVELS` levels.
     #[error(
-        "the perturbation keeps the points around a vertex apart for more than {} levels, beyond which no limit is \
-             computed; choose a smaller amplitude or decay",
-        MAX_FOLLOWED_LEVELS
+        "the perturbation keeps the points around a vertex apart for more than {MAX_FOLLOWED_LEVELS} levels, beyond \
+             which no limit is computed; choose a smaller amplitude or decay"
     )]
     Wild,
     /// More than `MAX_DISCS` different discs have vertex parameters that differ.
     #[error(
-        "vertices whose parameters differ from those around them have more than {} different surroundings, each of \
-             which is followed by itself, beyond which no limit is computed; ask for fewer levels",
-        MAX_DISCS
+        "vertices whose parameters differ from those around them have more than {MAX_DISCS} different surroundings, \
+             each of which is followed by itself, beyond which no limit is computed; ask for fewer levels"
     )]
     Different,
     /// More than `MAX_INFLUENCE_RINGS` rings of faces influence a limit.
-    #[error(
-        "the scheme reaches farther than {} rings of faces, beyond which no limit is computed",
-        MAX_INFLUENCE_RINGS
-    )]
+    #[error("the scheme reaches farther than {MAX_INFLUENCE_RINGS} rings of faces, beyond which no limit is computed")]
     Reach,
     /// A disc has more than `MAX_DISC_VERTICES` vertices.
     #[error(
-        "a vertex has more than {} others near it, beyond which no limit is computed; refine once more",
-        MAX_DISC_VERTICES
+        "a vertex has more than {MAX_DISC_VERTICES} others near it, beyond which no limit is computed; refine once more"
     )]
     Size,
     /// The operators of a level make more than `MAX_LEVEL_POINTS` points near a vertex.
     #[error(
-        "a level of the plan makes more than {} points of those near a vertex, beyond which no limit is computed; \
-         write a cycle with fewer or smaller upsamplings",
-        MAX_LEVEL_POINTS
+        "a level of the plan makes more than {MAX_LEVEL_POINTS} points of those near a vertex, beyond which no limit \
+         is computed; write a cycle with fewer or smaller upsamplings"
     )]
     Fine,
     /// The discs of a vertex and its children never repeat, or weights do not converge.

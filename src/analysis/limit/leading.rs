@@ -6,7 +6,7 @@
 //! M keeps rows that sum to 0 and columns that the limit mask maps to 0.
 
 use super::small::{Vectors, leading_basis, leading_block, mixed, orthonormalise, times};
-use crate::math::dense::dot;
+use crate::math::dense::{dot, xorshift};
 use crate::math::functions::{real, sqrt};
 
 /// Number of vectors that are iterated together. At most five of them are taken as eigenvectors, so that three are left
@@ -194,12 +194,8 @@ fn longest(mut matrix: Vec<Vec<f64>>, b: f64) -> Option<Vec<Vec<f64>>> {
 pub(super) fn starting_vectors(n: usize, width: usize) -> Vec<Vec<f64>> {
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;
     let mut next = || {
-        // xorshift: G. Marsaglia, Journal of Statistical Software 8 (2003), 1-6
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
         #[expect(clippy::cast_precision_loss, reason = "53 bits are kept")]
-        let unit = (state >> 11) as f64 / (1_u64 << 53) as f64;
+        let unit = (xorshift(&mut state) >> 11) as f64 / (1_u64 << 53) as f64;
         unit - 0.5
     };
     (0..width).map(|_| (0..n).map(|_| next()).collect()).collect()

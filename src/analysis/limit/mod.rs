@@ -28,7 +28,6 @@ mod leading;
 mod limits;
 mod mask;
 mod mesh;
-mod neighbourhoods;
 mod normals;
 mod on_net;
 mod perturbed;

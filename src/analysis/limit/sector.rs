@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::disc::{Centre, Disc};
+use crate::math::distinct::distinct;
 use crate::shape::topology::index;
 
 /// Largest absolute weight outside a sector that counts as zero: 450 roundings of 1, as iterated masks have. Half of it
@@ -109,10 +110,8 @@ impl SectorSupport {
                 }
             }
         }
-        let mut vertices: Vec<u32> = (0..faces.len()).filter(|&f| known[f]).flat_map(|f| faces[f]).copied().collect();
-        vertices.retain(|&v| (v as usize) < disc.support);
-        vertices.sort_unstable();
-        vertices.dedup();
+        let reached = (0..faces.len()).filter(|&f| known[f]).flat_map(|f| faces[f]).copied();
+        let vertices = distinct(reached.filter(|&v| (v as usize) < disc.support));
         let number = |v: &u32| index(vertices.binary_search(v).unwrap_or_default());
         let faces = first.map(|f| faces[f].iter().map(number).collect()).collect();
         Self { vertices, faces, n: disc.support }

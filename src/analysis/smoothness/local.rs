@@ -8,7 +8,7 @@ use num_traits::{One, Zero};
 use super::matrices::ExactMatrix;
 use super::symbol::Symbol;
 use crate::math::elimination::left_null_vector;
-use crate::math::exact::{Exact, rounded};
+use crate::math::exact::{Exact, ExactSequence, rounded};
 use crate::math::number::Number;
 use crate::math::spectrum::{Eigenvalue, eigenvalues};
 
@@ -16,15 +16,6 @@ use crate::math::spectrum::{Eigenvalue, eigenvalues};
 /// of it leaves that scheme without its masks; twice of it takes some thirty times as long, because the numbers of the
 /// elimination grow.
 const MAX_LOCAL_POINTS: i64 = 40;
-
-/// Weights of consecutive points.
-#[derive(Debug, Clone, PartialEq)]
-pub struct IndexedWeights {
-    /// The index of the first point.
-    pub first: i64,
-    /// The weights of the points from `first` on.
-    pub values: Vec<Exact>,
-}
 
 /// The points around a place that depend only on each other, with the matrix `(a[j - d i])` of one step.
 pub(super) struct Neighbourhood<'a> {
@@ -100,7 +91,7 @@ impl<'a> Neighbourhood<'a> {
     }
 
     /// Returns the weights of the limit point at the place: the left eigenvector for 1, scaled to the sum 1.
-    pub(super) fn limit_mask(&self) -> Option<IndexedWeights> {
+    pub(super) fn limit_mask(&self) -> Option<ExactSequence> {
         let vector = self.left_eigenvector(&Exact::one())?;
         let sum: Exact = vector.iter().sum();
         self.weights(&vector, &sum)
@@ -108,19 +99,19 @@ impl<'a> Neighbourhood<'a> {
 
     /// Returns the weights of the tangent per unit of the parameter: the left eigenvector for 1/d, scaled to the value
     /// 1 for points whose values are their indices.
-    pub(super) fn tangent_mask(&self) -> Option<IndexedWeights> {
+    pub(super) fn tangent_mask(&self) -> Option<ExactSequence> {
         let vector = self.left_eigenvector(&Exact::ratio(1, self.symbol.arity))?;
         let slope: Exact = (self.first..).zip(&vector).map(|(i, t)| Exact::whole(i) * t).sum();
         self.weights(&vector, &slope)
     }
 
-    fn weights(&self, vector: &[Exact], over: &Exact) -> Option<IndexedWeights> {
+    fn weights(&self, vector: &[Exact], over: &Exact) -> Option<ExactSequence> {
         if over.is_zero() {
             return None;
         }
         let from = vector.iter().position(|x| !x.is_zero())?;
         let to = vector.iter().rposition(|x| !x.is_zero())?;
         let values = vector[from..=to].iter().map(|x| x / over).collect();
-        Some(IndexedWeights { first: self.first + i64::try_from(from).ok()?, values })
+        Some(ExactSequence { first: self.first + i64::try_from(from).ok()?, values })
     }
 }

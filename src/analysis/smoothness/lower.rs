@@ -11,7 +11,7 @@ use num_traits::Signed;
 use super::matrices::{ExactMatrix, multiply, price, product};
 use crate::math::elimination::determinant_sign;
 use crate::math::exact::{self, Exact, below, binary, rounded};
-use crate::math::functions::pow;
+use crate::math::functions::{pow, real};
 use crate::math::number::Number;
 use crate::math::spectrum::eigenvalues;
 use crate::watch::{Stopped, Watch};
@@ -192,8 +192,7 @@ fn candidate(word: &[usize], matrix: &[f64], n: usize) -> Option<RatedWord> {
         return None;
     }
     let first = *eigenvalues(matrix, n)?.iter().find(|x| x.im == 0.0)?;
-    #[expect(clippy::cast_precision_loss, reason = "words are short")]
-    let rate = pow(first.modulus(), 1.0 / word.len() as f64);
+    let rate = pow(first.modulus(), 1.0 / real(word.len()));
     (rate > 0.0).then_some(RatedWord { word: word.to_vec(), eigenvalue: first.re, rate })
 }
 

@@ -15,7 +15,6 @@ mod upper;
 mod values;
 mod verdict;
 
-pub use local::IndexedWeights;
 pub use lower::Lower;
 pub(super) use matrices::ExactMatrix;
 pub use norms::SmoothnessCertificate;

@@ -7,6 +7,7 @@
 
 use super::symbol::Symbol;
 use crate::math::exact::{Exact, rounded};
+use crate::math::functions::real;
 
 /// Maximum number of entries of an iterated mask in the search for a certificate. Certificates are meant to be checked
 /// by hand, and few need more than four steps. With half of it schemes near the end of their range lose their
@@ -15,7 +16,8 @@ const MAX_CERTIFICATE_ENTRIES: usize = 1 << 15;
 /// Twice the largest relative error of one operation in f64.
 pub(super) const ROUNDING_UNIT: f64 = f64::EPSILON;
 
-/// A proof that limits are C^k.
+/// A proof that limits are C^k. On a lattice there are two difference schemes for each derivative of order k, and the
+/// largest numbers are given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmoothnessCertificate {
     /// The order of the derivative that is proved to be continuous.
@@ -47,8 +49,7 @@ fn certificate(k: usize, mask: &[Exact], arity: i64) -> Option<SmoothnessCertifi
         step *= d;
         let norm = greatest_sum(&iterated, step);
         // every entry is a sum of at most this many products of l rounded numbers
-        #[expect(clippy::cast_precision_loss, reason = "both are small")]
-        let roundings = (l as usize * (one.len() + 2) + width / step + 2) as f64;
+        let roundings = real(l as usize * (one.len() + 2) + width / step + 2);
         let error = 2.0 * roundings * ROUNDING_UNIT * greatest_sum(&sizes, step);
         if norm + error < 1.0 {
             return Some(SmoothnessCertificate { k, l, norm });

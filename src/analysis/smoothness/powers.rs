@@ -1,11 +1,9 @@
 //! The powers of the local matrix, whose rows converge to the limit mask.
 
-use num_traits::Zero;
-
-use super::local::{IndexedWeights, Neighbourhood};
+use super::local::Neighbourhood;
 use super::matrices::{ExactMatrix, product};
 use super::symbol::Symbol;
-use crate::math::exact::Exact;
+use crate::math::exact::{Exact, ExactSequence};
 
 /// The local matrix of a scheme and its powers.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,14 +23,13 @@ impl Powers {
     }
 
     /// Computes the first `count` powers of the local matrix; `limit` is the limit mask.
-    pub fn of(symbol: &Symbol, limit: Option<&IndexedWeights>, count: u32) -> Self {
+    pub fn of(symbol: &Symbol, limit: Option<&ExactSequence>, count: u32) -> Self {
         let around = Neighbourhood::new(symbol);
         let matrix = around.matrix();
         let powers = std::iter::successors(Some(matrix.clone()), |power| Some(product(&matrix, power)));
         let powers: Vec<ExactMatrix> = powers.take(count as usize).collect();
-        let row = |weights: &IndexedWeights| -> Vec<Exact> {
-            let at = |i: i64| usize::try_from(i - weights.first).ok().and_then(|i| weights.values.get(i)).cloned();
-            (around.first()..).take(matrix.len()).map(|i| at(i).unwrap_or_else(Exact::zero)).collect()
+        let row = |weights: &ExactSequence| -> Vec<Exact> {
+            (around.first()..).take(matrix.len()).map(|i| weights.at(i)).collect()
         };
         let limit = limit.map(|weights| vec![row(weights); matrix.len()]);
         Self { first: around.first(), powers, limit }

@@ -1,9 +1,10 @@
 //! The full report on one scheme.
 
-use super::local::{IndexedWeights, Neighbourhood};
+use super::local::Neighbourhood;
 use super::symbol::Symbol;
 use super::values::BasicFunction;
 use super::verdict::Smoothness;
+use crate::math::exact::ExactSequence;
 use crate::math::spectrum::Eigenvalue;
 use crate::watch::{Stopped, Watch};
 
@@ -19,9 +20,9 @@ pub struct SmoothnessReport {
     /// The proved smoothness of limits.
     pub smoothness: Smoothness,
     /// Weights of the limit point at a point, if limits are proved to be continuous.
-    pub limit_mask: Option<IndexedWeights>,
+    pub limit_mask: Option<ExactSequence>,
     /// Weights of the tangent at a point per unit of the parameter, if limits are proved to be C^1.
-    pub tangent_mask: Option<IndexedWeights>,
+    pub tangent_mask: Option<ExactSequence>,
     /// The eigenvalues of the local matrix, the largest first; `None` if the computation failed.
     pub local_eigenvalues: Option<Vec<Eigenvalue>>,
 }

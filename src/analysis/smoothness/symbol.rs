@@ -59,8 +59,7 @@ impl Symbol {
         let (first, mask) = (mask.first.into(), &mask.values);
         let exactly: Vec<Exact> = mask.iter().map(|&a| binary(a)).collect();
         let (first, exactly) = trimmed(first, &exactly)?;
-        #[expect(clippy::cast_precision_loss, reason = "arities of cycles are small")]
-        let d = arity as f64;
+        let d = f64::whole(arity);
         let mut residual: Vec<f64> = exactly.iter().map(|a| rounded(a) / d).collect();
         let mut order = 0;
         while (residual.iter().sum::<f64>() - 1.0).abs() <= DIVISION_REMAINDER

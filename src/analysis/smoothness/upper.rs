@@ -15,7 +15,7 @@ use super::lower::Lower;
 use super::matrices::{ExactMatrix, multiply, price, product, row_norm};
 use super::norms::ROUNDING_UNIT;
 use crate::math::exact::{Exact, above, binary, rounded};
-use crate::math::functions::{pow, sqrt};
+use crate::math::functions::{pow, real, sqrt};
 use crate::watch::{Stopped, Watch};
 
 /// Maximum number of factors of a product. Completed trees have leaves of far fewer factors. With half of it some
@@ -191,8 +191,7 @@ fn in_ellipsoid(matrices: &[ExactMatrix], lower: f64, n: usize) -> Option<Vec<Ve
             next.iter_mut().zip(&whole).for_each(|(sum, x)| *sum += share * x);
         }
         let trace: f64 = (0..n).map(|i| next[i * n + i]).sum();
-        #[expect(clippy::cast_precision_loss, reason = "matrices are small")]
-        let scale = n as f64 / trace;
+        let scale = real(n) / trace;
         p = next.iter().map(|x| x * scale).collect();
     }
     let l = cholesky(&p, n)?;
@@ -347,8 +346,7 @@ impl<'a> ProductTree<'a> {
     fn holds(&mut self, known: ProductBound) -> Result<Option<f64>, Stopped> {
         let (n, price) = (self.n, price(self.n));
         let growth = known.bound / self.bound * (1.0 + 4.0 * ROUNDING_UNIT);
-        #[expect(clippy::cast_precision_loss, reason = "matrices are small")]
-        let gamma = (n + 6) as f64 * ROUNDING_UNIT;
+        let gamma = real(n + 6) * ROUNDING_UNIT;
         let identity: Vec<f64> = (0..n * n).map(|k| if k % (n + 1) == 0 { 1.0 } else { 0.0 }).collect();
         let mut path = vec![PathProduct { matrix: identity, norm: 1.0, error: 0.0 }];
         let mut next = vec![0];

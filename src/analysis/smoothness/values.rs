@@ -2,9 +2,9 @@
 
 use num_traits::ToPrimitive;
 
-use super::local::{IndexedWeights, Neighbourhood};
+use super::local::Neighbourhood;
 use super::symbol::Symbol;
-use crate::math::exact::{Exact, rounded};
+use crate::math::exact::{Exact, ExactSequence, rounded};
 use crate::math::number::Number;
 use crate::watch::{Stopped, Watch};
 
@@ -57,7 +57,7 @@ impl BasicFunction {
     ///
     /// # Errors
     /// [`Stopped`].
-    pub(super) fn of(symbol: &Symbol, limit: &IndexedWeights, grid: u32, watch: &Watch) -> Result<Self, Stopped> {
+    pub(super) fn of(symbol: &Symbol, limit: &ExactSequence, grid: u32, watch: &Watch) -> Result<Self, Stopped> {
         let mask: Vec<f64> = symbol.mask.iter().map(rounded).collect();
         let d = usize::try_from(symbol.arity).unwrap_or(1);
         let (mut first, mut points) = (0, vec![1.0]);

@@ -12,7 +12,7 @@ use super::local::{LocalRows, PlacedWeight};
 use super::sectors::{LatticePoint, NetKind};
 use crate::math::dense::Dense;
 use crate::math::functions::{cos, real, sin};
-use crate::math::vector::Complex;
+use crate::math::vector::{Complex, complex_product};
 
 /// Largest imaginary part that is regarded as rounding, for weights of about 1: ten thousand roundings. Schemes without
 /// the symmetry have imaginary parts of about 1. Half or twice of it decides alike.
@@ -38,10 +38,6 @@ pub(super) struct FourierBlock {
     pub(super) components: Vec<Component>,
     /// The matrix of the block.
     pub(super) matrix: Dense,
-}
-
-fn times([a, b]: Complex, [c, d]: Complex) -> Complex {
-    [a * c - b * d, a * d + b * c]
 }
 
 /// Returns `exp(2 pi i turn / n)`.
@@ -78,13 +74,13 @@ impl SectorFunctional {
     fn of(kind: NetKind, n: usize, index: usize, point: Option<LatticePoint>, row: &[PlacedWeight]) -> Self {
         let from = point.map_or(0.0, |p| kind.turn(p));
         let mut functional = Self { points: Vec::new(), centre: 0.0 };
-        for entry in row {
-            let Some(q) = entry.point else {
-                functional.centre += entry.weight;
+        for &(place, weight) in row {
+            let Some((sector, q)) = place else {
+                functional.centre += weight;
                 continue;
             };
-            let turn = real(index) * (real(entry.sector) + kind.turn(q) - from);
-            let [re, im] = phase(turn % real(n), n).map(|x| x * entry.weight);
+            let turn = real(index) * (real(sector) + kind.turn(q) - from);
+            let [re, im] = phase(turn % real(n), n).map(|x| x * weight);
             match functional.points.iter_mut().find(|(other, _)| *other == q) {
                 Some((_, sum)) => *sum = [sum[0] + re, sum[1] + im],
                 None => functional.points.push((q, [re, im])),
@@ -101,7 +97,7 @@ impl SectorFunctional {
     fn mixed(a: Complex, f: &Self, b: Complex, g: &Self) -> Self {
         let points = f.points.iter().chain(&g.points).map(|(p, _)| *p).collect::<std::collections::BTreeSet<_>>();
         let weight = |p: LatticePoint| {
-            let (x, y) = (times(a, f.at(p)), times(b, g.at(p)));
+            let (x, y) = (complex_product(a, f.at(p)), complex_product(b, g.at(p)));
             [x[0] + y[0], x[1] + y[1]]
         };
         let points = points.into_iter().map(|p| (p, weight(p))).collect();

@@ -10,7 +10,7 @@
 use std::collections::BTreeMap;
 
 use super::characteristic::{ring, sine};
-use super::fan::{FanBoundary, FanPlace, FanRows, mirrored, places, radius};
+use super::fan::{FanBoundary, FanPlace, FanRows, faces, mirrored, places, radius};
 use super::local::{Applied, closed};
 use super::regular::RegularMask;
 use super::sectors::{LatticePoint, NetKind, PlaneNet, WEIGHT_ROUNDING};
@@ -243,26 +243,6 @@ fn mask(m: usize, weights: &BTreeMap<FanPlace, f64>) -> Vec<PointWeight> {
         by_point.entry(Some(point)).or_insert_with(|| vec![0.0; n])[s] = weight;
     }
     by_point.into_iter().map(|(point, values)| PointWeight { point, values }).collect()
-}
-
-/// Returns the faces of a fan as places; the first corner of a square or a lower triangle is the one nearest to the
-/// centre.
-fn faces(kind: NetKind, m: usize, farthest: i32) -> Vec<Vec<FanPlace>> {
-    let at = |s: usize, point: LatticePoint| match point {
-        [0, 0] => None,
-        [0, j] => Some((s + 1, [j, 0])),
-        inside => Some((s, inside)),
-    };
-    let shapes: &[&[LatticePoint]] = match kind {
-        NetKind::Triangles => &[&[[0, 0], [1, 0], [0, 1]], &[[1, 0], [1, 1], [0, 1]]],
-        _ => &[&[[0, 0], [1, 0], [1, 1], [0, 1]]],
-    };
-    let cells = (0..m).flat_map(|s| (0..farthest).flat_map(move |i| (0..farthest).map(move |j| (s, i, j))));
-    let face = |(s, i, j): (usize, i32, i32), shape: &[LatticePoint]| -> Vec<FanPlace> {
-        shape.iter().map(|[x, y]| at(s, [i + x, j + y])).collect()
-    };
-    let all = cells.flat_map(|cell| shapes.iter().map(move |shape| face(cell, shape)));
-    all.filter(|face| face.iter().all(|&place| radius(kind, place) <= farthest)).collect()
 }
 
 /// Returns the least sine of the corner angles of all faces that do not touch the centre.

@@ -15,6 +15,7 @@ use super::blocks::phase;
 use super::convergence::{derivative, lebesgue_bound};
 use super::regular::{Polynomial, RegularMask};
 use super::sectors::{LatticePoint, NetKind};
+use crate::math::distinct::distinct;
 use crate::math::functions::{cos, real, sin};
 use crate::math::planar::cross;
 use crate::math::vector::{length, minus};
@@ -111,12 +112,7 @@ struct LatticeCell {
 impl LatticeCell {
     fn corners(self, kind: NetKind) -> impl Iterator<Item = LatticePoint> {
         let [x, y] = self.at;
-        let all: &[LatticePoint] = match (kind, self.upper) {
-            (NetKind::Triangles, false) => &[[0, 0], [1, 0], [0, 1]],
-            (NetKind::Triangles, true) => &[[1, 0], [1, 1], [0, 1]],
-            _ => &[[0, 0], [1, 0], [1, 1], [0, 1]],
-        };
-        all.iter().map(move |[i, j]| [x + i, y + j])
+        kind.shapes()[usize::from(self.upper)].iter().map(move |[i, j]| [x + i, y + j])
     }
 
     /// Returns the cells of the next level that cover this cell.
@@ -280,9 +276,7 @@ impl RingProof {
         cells: &[LatticeCell],
     ) -> BTreeMap<LatticePoint, [f64; 2]> {
         let d = self.d;
-        let mut points: Vec<LatticePoint> = cells.iter().flat_map(|&cell| self.followed[0].around(cell)).collect();
-        points.sort_unstable();
-        points.dedup();
+        let points = distinct(cells.iter().flat_map(|&cell| self.followed[0].around(cell)));
         let place = |point: LatticePoint| {
             let (old, residue) = (point.map(|x| x.div_euclid(d)), point.map(|x| x.rem_euclid(d)));
             let terms = self.rules.get(&residue).into_iter().flatten();

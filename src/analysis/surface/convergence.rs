@@ -10,6 +10,7 @@
 use super::iterated::Iterated;
 use super::regular::{Polynomial, RegularMask, ZERO_WEIGHT, divided};
 use super::sectors::LatticePoint;
+use crate::analysis::smoothness::SmoothnessCertificate;
 
 /// Maximum number of steps of a difference scheme whose norm is computed. Butterfly needs two, Kobbelt's scheme three;
 /// with six the bounds of basic limit functions are sharp enough for the proofs about their characteristic maps. Half
@@ -22,31 +23,17 @@ const MAX_PROOF_ORDER: usize = 3;
 /// would still cover them; twice of it raises the bound in the 12th digit.
 const BASIC_SUM_ROUNDING: f64 = 1e-12;
 
-/// A proof that limits are C^k: the norms of the difference schemes along two directions, one pair for each derivative.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LatticeCertificate {
-    /// The order k.
-    pub k: usize,
-    /// The largest number L of steps that a difference scheme needed.
-    pub l: u32,
-    /// The largest norm after these steps, below 1.
-    pub norm: f64,
-}
-
 /// Norms of the powers 0, 1, ... of a difference scheme, the last of them below 1.
-#[derive(Debug, Clone)]
-struct Contraction {
-    norms: Vec<f64>,
-}
+type Contraction = Vec<f64>;
 
 /// Returns the certificates for k = 0, 1, ..., up to the first k without one.
-pub(super) fn certificates(regular: &RegularMask) -> Vec<LatticeCertificate> {
+pub(super) fn certificates(regular: &RegularMask) -> Vec<SmoothnessCertificate> {
     (0..=MAX_PROOF_ORDER).map_while(|k| certificate(regular, k)).collect()
 }
 
-fn certificate(regular: &RegularMask, k: usize) -> Option<LatticeCertificate> {
+fn certificate(regular: &RegularMask, k: usize) -> Option<SmoothnessCertificate> {
     let order = |i: usize| u32::try_from(i).unwrap_or(u32::MAX);
-    let mut best: Option<LatticeCertificate> = None;
+    let mut best: Option<SmoothnessCertificate> = None;
     for [u, v] in spanning() {
         let derivative = |i: usize| {
             let has = regular.factors[u] >= order(i) && regular.factors[v] >= order(k - i);
@@ -57,7 +44,7 @@ fn certificate(regular: &RegularMask, k: usize) -> Option<LatticeCertificate> {
             let l = all.iter().map(|found| found.0).max().unwrap_or(0);
             let norm = all.iter().map(|found| found.1).fold(0.0, f64::max);
             if best.as_ref().is_none_or(|best| l < best.l) {
-                best = Some(LatticeCertificate { k, l, norm });
+                best = Some(SmoothnessCertificate { k, l, norm });
             }
         }
     }
@@ -92,8 +79,8 @@ pub(super) fn derivative(regular: &RegularMask, along: &[(usize, u32)]) -> Optio
 fn converges(regular: &RegularMask, along: &[(usize, u32)]) -> Option<(u32, f64)> {
     let mask = derivative(regular, along)?;
     let [first, second] = contractions(&mask, regular.arity)?.map(|(_, contraction)| contraction);
-    let steps = first.norms.len().max(second.norms.len()) - 1;
-    let last = |contraction: &Contraction| contraction.norms.last().copied().unwrap_or(1.0);
+    let steps = first.len().max(second.len()) - 1;
+    let last = |contraction: &Contraction| contraction.last().copied().unwrap_or(1.0);
     Some((u32::try_from(steps).unwrap_or(0), last(&first).max(last(&second))))
 }
 
@@ -112,7 +99,7 @@ fn contraction(mask: &Polynomial, d: i32) -> Option<Contraction> {
     for norm in Iterated::new(mask, d).take(MAX_DIFFERENCE_STEPS) {
         norms.push(norm);
         if norm < 1.0 {
-            return Some(Contraction { norms });
+            return Some(norms);
         }
     }
     None
@@ -131,7 +118,7 @@ pub(super) fn lebesgue_bound(mask: &Polynomial, d: i32) -> Option<f64> {
     }
     let pair = contractions(mask, d)?;
     let tail = |contraction: &Contraction| {
-        let (last, before) = contraction.norms.split_last()?;
+        let (last, before) = contraction.split_last()?;
         Some(before.iter().sum::<f64>() / (1.0 - last))
     };
     let tails = [tail(&pair[0].1)?, tail(&pair[1].1)?];

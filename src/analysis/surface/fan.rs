@@ -7,16 +7,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::layout::PlacementRecord;
-use super::local::{Applied, MAX_STAR_POINTS, TRIED_MARGINS};
+use super::layout;
+use super::local::{Applied, Followed, rows, with_margin};
 use super::sectors::{LatticePoint, NetKind, WEIGHT_ROUNDING};
 use super::star::{SectorPoint, Star};
-use crate::analysis::limit::{Centre, CycleRecord, Unlimited, WeightMode, child};
+use crate::analysis::limit::{Centre, Unlimited};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Follows;
 use crate::scheme::sharpness::Sharpness;
-use crate::scheme::stepper::Stepper;
-use crate::shape::check::{FaceList, Winding};
+use crate::shape::check::Winding;
 use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::topology::{NONE, Topology, index};
 use crate::watch::Watch;
@@ -67,6 +66,17 @@ pub(super) fn radius(kind: NetKind, place: FanPlace) -> i32 {
     place.map_or(0, |(_, point)| kind.radius(point))
 }
 
+/// Returns the faces up to a radius.
+pub(super) fn faces(kind: NetKind, m: usize, radius: i32) -> Vec<Vec<FanPlace>> {
+    let at = |s: usize, point: LatticePoint| match point {
+        [0, 0] => None,
+        [0, j] => Some((s + 1, [j, 0])),
+        inside => Some((s, inside)),
+    };
+    let cells = kind.faces(radius);
+    (0..m).flat_map(|s| cells.iter().map(move |face| face.iter().map(|&point| at(s, point)).collect())).collect()
+}
+
 /// Returns the mirror image of a place under the reflection that exchanges the outer rays.
 pub(super) fn mirrored(m: usize, place: FanPlace) -> FanPlace {
     place.map(|(s, [i, j])| if j == 0 { (m - s, [i, 0]) } else { (m - 1 - s, [j, i]) })
@@ -78,28 +88,7 @@ impl Fan {
         let kind = applied.kind;
         let places = places(kind, m, radius);
         let numbers: BTreeMap<FanPlace, u32> = places.iter().copied().zip(0..).collect();
-        let at = |s: usize, point: LatticePoint| match point {
-            [0, 0] => 0,
-            [0, j] => numbers[&Some((s + 1, [j, 0]))],
-            inside => numbers[&Some((s, inside))],
-        };
-        let mut faces = FaceList::default();
-        for s in 0..m {
-            for (i, j) in (0..radius).flat_map(|i| (0..radius).map(move |j| (i, j))) {
-                let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
-                if kind != NetKind::Triangles {
-                    faces.push(corners.map(|p| at(s, p)));
-                    continue;
-                }
-                let [a, b, c, d] = corners;
-                if i + j < radius {
-                    faces.push([a, b, d].map(|p| at(s, p)));
-                }
-                if i + j + 2 <= radius {
-                    faces.push([b, c, d].map(|p| at(s, p)));
-                }
-            }
-        }
+        let faces = faces(kind, m, radius).iter().map(|face| face.iter().map(|place| numbers[place])).collect();
         let checked = Topology::of_faces(places.len(), faces, Winding::Refuse).expect("sectors side by side fit");
         let net = MeshNet::new(Arc::new(checked.topology), &[], &[], applied.plan.boundary);
         Self { net: net.with_sharpness(None, applied.plan.rules), places }
@@ -141,11 +130,7 @@ impl Applied {
     /// Returns the rows around a vertex with m faces between the outer rays, up to a radius, from a net that is large
     /// enough for them.
     pub(super) fn fan(&self, m: usize, radius: i32, beyond: FanBoundary, watch: &Watch) -> Result<FanRows, Unlimited> {
-        let found = TRIED_MARGINS.iter().find_map(|&margin| match self.fan_within(m, radius, beyond, margin, watch) {
-            Err(Unlimited::Reach) => None,
-            found => Some(found),
-        });
-        found.unwrap_or(Err(Unlimited::Reach))
+        with_margin(|margin| self.fan_within(m, radius, beyond, margin, watch))
     }
 
     fn fan_within(
@@ -156,36 +141,20 @@ impl Applied {
         margin: i32,
         watch: &Watch,
     ) -> Result<FanRows, Unlimited> {
-        watch.check()?;
-        let (kind, side) = (self.kind, radius / self.arity + margin + 2);
-        let finer = usize::try_from(self.arity * self.arity).unwrap_or(usize::MAX);
-        if (kind.points(side).len() * (m + 3)).saturating_mul(finer) > MAX_STAR_POINTS {
-            return Err(Unlimited::Fine);
-        }
-        let Fan { mut net, places: old } = match beyond {
+        let (kind, side) = (self.kind, self.side(radius, margin, m + 3, watch)?);
+        let Fan { net, places: old } = match beyond {
             FanBoundary::Nothing => Fan::open(self, m, side),
             FanBoundary::Faces => Fan::creased(self, m, side),
         };
-        let (mut centre, mut record, mut layout) =
-            (Centre::Vertex(0), CycleRecord::new(WeightMode::Exact), PlacementRecord::new());
-        for step in &self.steps {
-            layout.add(&self.plan, &net, step)?;
-            let next = Stepper::new(&self.plan).next(&net, step)?;
-            record.add(next.action)?;
-            centre = child(centre, step.letter.facts().children, [&net, &next.net], &record)?;
-            net = next.net;
-        }
-        watch.advance(net.mesh.n_vertices() as u64);
+        let Followed { topology, centre, record, layout } = self.followed(net, Centre::Vertex(0), watch)?;
         let Centre::Vertex(middle) = centre else { return Err(Unlimited::Lost) };
-        let topology = net.mesh.topology();
         let mut starts: Vec<u32> = topology.ring(middle as usize).collect();
         if beyond == FanBoundary::Faces {
             let n = starts.len();
             let end = topology.vertex(topology.next(starts[0]));
-            let (turned, _) = layout.turned(kind, n, &old, end)?.ok_or(Unlimited::Unsettled)?;
+            let (turned, _) = layout::turned(&layout, kind, n, &old, end)?.ok_or(Unlimited::Unsettled)?;
             starts.rotate_left((n - turned) % n);
         }
-        let reader = FanReader { places: &old, record: &record };
         let mut wanted: BTreeMap<FanPlace, u32> = BTreeMap::from([(None, middle)]);
         for (s, &start) in starts.iter().take(m).enumerate() {
             for ([i, j], v) in grid(&topology, kind, start, radius) {
@@ -199,35 +168,14 @@ impl Applied {
         if starts.len() < m || wanted.len() != places(kind, m, radius).len() {
             return Err(Unlimited::Reach);
         }
-        let rows = reader.rows(&wanted.values().copied().collect::<Vec<_>>())?;
+        let vertices: Vec<u32> = wanted.values().copied().collect();
+        let rows: Vec<BTreeMap<FanPlace, f64>> = rows(&record, &old, &vertices)?;
         let farthest = rows.iter().flat_map(BTreeMap::keys).map(|&place| self::radius(kind, place)).max();
         // rows that the rim of the net influences are not rules of its interior
         if farthest.unwrap_or(0) + 1 >= side {
             return Err(Unlimited::Reach);
         }
         Ok(FanRows { faces: m, rows: wanted.into_keys().zip(rows).collect() })
-    }
-}
-
-/// Reads rows off a record.
-struct FanReader<'a> {
-    places: &'a [FanPlace],
-    record: &'a CycleRecord,
-}
-
-impl FanReader<'_> {
-    fn rows(&self, vertices: &[u32]) -> Result<Vec<BTreeMap<FanPlace, f64>>, Unlimited> {
-        let n = self.places.len();
-        let origins: Vec<u32> = (0..index(n)).collect();
-        let matrix = self.record.matrix(vertices, &origins, n).ok_or(Unlimited::Reach)?;
-        let row = |r: usize| {
-            let (columns, weights) = matrix.row(r);
-            let entries = columns.iter().zip(weights).map(|(&column, &weight)| (self.places[column as usize], weight));
-            entries.collect::<BTreeMap<_, _>>()
-        };
-        let rows: Vec<_> = (0..vertices.len()).map(row).collect();
-        let known = rows.iter().flat_map(BTreeMap::values).all(|weight| weight.is_finite());
-        if known { Ok(rows) } else { Err(Unlimited::Reach) }
     }
 }
 

@@ -2,11 +2,13 @@
 //! operators.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use super::layout::PlacementRecord;
+use super::layout;
 use super::sectors::{LatticePoint, NetKind};
-use super::star::{Star, sector, starts};
+use super::star::{SectorPoint, Star, sector, starts};
 use crate::analysis::limit::{Centre, CycleRecord, Unlimited, WeightMode, child};
+use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::{Plan, Scheduled};
 use crate::scheme::stepper::Stepper;
 use crate::shape::topology::{Topology, index};
@@ -15,23 +17,15 @@ use crate::watch::Watch;
 /// Maximum number of points after one application of the cycle to a star. Valence 50 with the widest words of the
 /// presets takes a third of it. Half of it refuses long words at valence 50; twice of it takes twice the memory, some
 /// 100 bytes per point.
-pub(super) const MAX_STAR_POINTS: usize = 1 << 18;
+const MAX_STAR_POINTS: usize = 1 << 18;
 
 /// Numbers of additional rings that are tried until all points are included on which the wanted points depend. An
 /// average adds half a ring, so that 12 is enough for twenty. Half of it refuses the longest presets; twice of it takes
 /// four times as long to refuse.
-pub(super) const TRIED_MARGINS: [i32; 4] = [2, 4, 7, 12];
+const TRIED_MARGINS: [i32; 4] = [2, 4, 7, 12];
 
-/// A weight of a point around the centre.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct PlacedWeight {
-    /// The sector of the point.
-    pub(super) sector: usize,
-    /// The point in sector coordinates; `None` for the centre.
-    pub(super) point: Option<LatticePoint>,
-    /// The weight.
-    pub(super) weight: f64,
-}
+/// A weight of a place around the centre; `None` is the centre itself.
+pub(super) type PlacedWeight = (Option<SectorPoint>, f64);
 
 /// The rows of the points of sector 0, and of the centre, after some applications of a cycle.
 #[derive(Debug, Clone)]
@@ -85,60 +79,85 @@ impl Applied {
     /// Returns the rows around a centre of n sectors, up to a radius, from a net that is large enough for them; `None`
     /// if a vertex becomes a face or a face a vertex, or if sectors are turned against those of the parent.
     pub(super) fn wide_enough(&self, n: usize, radius: i32, watch: &Watch) -> Result<Option<LocalRows>, Unlimited> {
-        let found = TRIED_MARGINS.iter().find_map(|&margin| match self.local(n, radius, margin, watch) {
-            Err(Unlimited::Reach) => None,
-            found => Some(found),
-        });
-        found.unwrap_or(Err(Unlimited::Reach))
+        with_margin(|margin| self.local(n, radius, margin, watch))
     }
 
     /// Returns the rows around a centre of n sectors, up to a radius, from a net with `margin` additional rings.
     fn local(&self, n: usize, radius: i32, margin: i32, watch: &Watch) -> Result<Option<LocalRows>, Unlimited> {
-        watch.check()?;
-        let side = radius / self.arity + margin + 2;
-        let points = self.kind.points(side).len() * n;
-        let finer = usize::try_from(self.arity * self.arity).unwrap_or(usize::MAX);
-        if points.saturating_mul(finer) > MAX_STAR_POINTS {
-            return Err(Unlimited::Fine);
-        }
+        let side = self.side(radius, margin, n, watch)?;
         let star = Star::new(self.kind, n, side);
         let net = star.net.clone();
-        let mut net = if self.tagged { net.carrying(None, Some(star.latitude_lines(self.kind))) } else { net };
-        let (mut centre, mut record, mut layout) =
-            (star.centre, CycleRecord::new(WeightMode::Exact), PlacementRecord::new());
+        let net = if self.tagged { net.carrying(None, Some(star.latitude_lines(self.kind))) } else { net };
+        let Followed { topology, centre, record, layout } = self.followed(net, star.centre, watch)?;
+        if matches!(centre, Centre::Vertex(_)) != self.kind.has_centre() {
+            return Ok(None);
+        }
+        let starts = starts(&topology, centre);
+        if starts.len() != n {
+            return Err(Unlimited::Lost);
+        }
+        let first = first(&topology, self.kind, starts[0]);
+        let Some((turned, shrinks)) = layout::turned(&layout, self.kind, n, &star.places, first)? else {
+            return Ok(None);
+        };
+        let wanted = sector(&topology, self.kind, starts[(n - turned) % n], radius);
+        if wanted.len() != self.kind.points(radius).len() {
+            return Err(Unlimited::Reach);
+        }
+        let vertices: Vec<u32> = wanted.values().copied().collect();
+        let of_points = wanted.keys().copied().zip(rows(&record, &star.places, &vertices)?).collect();
+        let centre = match centre {
+            Centre::Vertex(v) => rows(&record, &star.places, &[v])?.swap_remove(0),
+            _ => Vec::new(),
+        };
+        let local = LocalRows { rows: of_points, centre, shrinks };
+        // rows that the rim of the net influences are not rules of its interior
+        if local.reach(self.kind) + 1 >= side { Err(Unlimited::Reach) } else { Ok(Some(local)) }
+    }
+
+    /// Returns the radius of a net whose points up to a radius are refined, with `margin` additional rings.
+    pub(super) fn side(&self, radius: i32, margin: i32, sectors: usize, watch: &Watch) -> Result<i32, Unlimited> {
+        watch.check()?;
+        let side = radius / self.arity + margin + 2;
+        let finer = usize::try_from(self.arity * self.arity).unwrap_or(usize::MAX);
+        let n = (self.kind.points(side).len() * sectors).saturating_mul(finer);
+        if n > MAX_STAR_POINTS { Err(Unlimited::Fine) } else { Ok(side) }
+    }
+
+    /// Takes the steps of the cycle from a net, and follows its centre.
+    pub(super) fn followed(&self, mut net: MeshNet, mut centre: Centre, watch: &Watch) -> Result<Followed, Unlimited> {
+        let (mut record, mut layout) = (CycleRecord::new(WeightMode::Exact), CycleRecord::new(WeightMode::Exact));
         for step in &self.steps {
-            layout.add(&self.plan, &net, step)?;
+            layout::record(&mut layout, &self.plan, &net, step)?;
             let next = Stepper::new(&self.plan).next(&net, step)?;
             record.add(next.action)?;
             centre = child(centre, step.letter.facts().children, [&net, &next.net], &record)?;
             net = next.net;
         }
         watch.advance(net.mesh.n_vertices() as u64);
-        if matches!(centre, Centre::Vertex(_)) != self.kind.has_centre() {
-            return Ok(None);
-        }
-        let topology = net.mesh.topology();
-        let starts = starts(&topology, centre);
-        if starts.len() != n {
-            return Err(Unlimited::Lost);
-        }
-        let reader = StarReader { star: &star, record: &record };
-        let first = first(&topology, self.kind, starts[0]);
-        let Some((turned, shrinks)) = layout.turned(self.kind, n, &star.places, first)? else { return Ok(None) };
-        let wanted = sector(&topology, self.kind, starts[(n - turned) % n], radius);
-        if wanted.len() != self.kind.points(radius).len() {
-            return Err(Unlimited::Reach);
-        }
-        let vertices: Vec<u32> = wanted.values().copied().collect();
-        let rows = wanted.keys().copied().zip(reader.rows(&vertices)?).collect();
-        let centre = match centre {
-            Centre::Vertex(v) => reader.rows(&[v])?.swap_remove(0),
-            _ => Vec::new(),
-        };
-        let local = LocalRows { rows, centre, shrinks };
-        // rows that the rim of the net influences are not rules of its interior
-        if local.reach(self.kind) + 1 >= side { Err(Unlimited::Reach) } else { Ok(Some(local)) }
+        Ok(Followed { topology: net.mesh.topology(), centre, record, layout })
     }
+}
+
+/// What the steps of a cycle make of a net.
+pub(super) struct Followed {
+    /// The connectivity after the steps.
+    pub(super) topology: Arc<Topology>,
+    /// The child of the centre.
+    pub(super) centre: Centre,
+    /// The weights of the steps.
+    pub(super) record: CycleRecord,
+    /// The places of the points: the weights of the steps that make new points, with the kernel 1.
+    pub(super) layout: CycleRecord,
+}
+
+/// Returns what is found with the least of the tried margins that is wide enough.
+pub(super) fn with_margin<T>(find: impl Fn(i32) -> Result<T, Unlimited>) -> Result<T, Unlimited> {
+    let found = TRIED_MARGINS.iter().find_map(|&margin| match find(margin) {
+        Err(Unlimited::Reach) => None,
+        found => Some(found),
+    });
+    found.unwrap_or(Err(Unlimited::Reach))
 }
 
 /// Returns the first point of the sector that begins at a half-edge.
@@ -150,13 +169,13 @@ impl LocalRows {
     /// Returns the radius of the farthest point that has a weight.
     pub(super) fn reach(&self, kind: NetKind) -> i32 {
         let all = self.rows.values().flatten().chain(&self.centre);
-        all.filter_map(|entry| entry.point).map(|p| kind.radius(p)).max().unwrap_or(0)
+        all.filter_map(|&(place, _)| place).map(|(_, p)| kind.radius(p)).max().unwrap_or(0)
     }
 
     /// Returns the radius of the farthest point that has a weight in the rows of the points up to a radius.
     pub(super) fn reach_of(&self, kind: NetKind, radius: i32) -> i32 {
         let near = self.rows.iter().filter(|(p, _)| kind.radius(**p) <= radius).flat_map(|(_, row)| row);
-        near.chain(&self.centre).filter_map(|entry| entry.point).map(|p| kind.radius(p)).max().unwrap_or(0)
+        near.chain(&self.centre).filter_map(|&(place, _)| place).map(|(_, p)| kind.radius(p)).max().unwrap_or(0)
     }
 }
 
@@ -175,27 +194,20 @@ pub(super) fn closed(farthest: i32, reach: i32, reach_of: impl Fn(i32) -> i32) -
     if reach > radius { Err(Unlimited::Reach) } else { Ok(radius) }
 }
 
-/// Reads rows off a record.
-struct StarReader<'a> {
-    star: &'a Star,
-    record: &'a CycleRecord,
-}
-
-impl StarReader<'_> {
-    fn rows(&self, vertices: &[u32]) -> Result<Vec<Vec<PlacedWeight>>, Unlimited> {
-        let n = self.star.places.len();
-        let origins: Vec<u32> = (0..index(n)).collect();
-        let matrix = self.record.matrix(vertices, &origins, n).ok_or(Unlimited::Reach)?;
-        let row = |r: usize| {
-            let (columns, weights) = matrix.row(r);
-            let entry = |(&column, &weight): (&u32, &f64)| {
-                let place = self.star.places[column as usize];
-                PlacedWeight { sector: place.map_or(0, |place| place.0), point: place.map(|place| place.1), weight }
-            };
-            columns.iter().zip(weights).map(entry).collect::<Vec<_>>()
-        };
-        let rows: Vec<Vec<PlacedWeight>> = (0..vertices.len()).map(row).collect();
-        let known = rows.iter().flatten().all(|entry| entry.weight.is_finite());
-        if known { Ok(rows) } else { Err(Unlimited::Reach) }
+/// Returns the rows of some vertices after the steps over the places before them.
+pub(super) fn rows<R: FromIterator<PlacedWeight>>(
+    record: &CycleRecord,
+    places: &[Option<SectorPoint>],
+    vertices: &[u32],
+) -> Result<Vec<R>, Unlimited> {
+    let origins: Vec<u32> = (0..index(places.len())).collect();
+    let matrix = record.matrix(vertices, &origins, places.len()).ok_or(Unlimited::Reach)?;
+    if !matrix.weights().iter().all(|weight| weight.is_finite()) {
+        return Err(Unlimited::Reach);
     }
+    let row = |r: usize| {
+        let (columns, weights) = matrix.row(r);
+        columns.iter().map(|&column| places[column as usize]).zip(weights.iter().copied()).collect()
+    };
+    Ok((0..vertices.len()).map(row).collect())
 }

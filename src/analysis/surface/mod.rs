@@ -31,7 +31,6 @@ mod survey;
 mod verdict;
 
 pub use boundary::{BoundaryReport, Sided};
-pub use convergence::LatticeCertificate;
 pub use latitude::latitude_curves;
 pub use quotient::Quotient;
 pub use regular::RegularMask;

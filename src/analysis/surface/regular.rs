@@ -54,10 +54,9 @@ impl RegularMask {
         let period = |[x, y]: &LatticePoint| (from..from + d).contains(x) && (0..d).contains(y);
         let mut mask = Polynomial::new();
         for ([x, y], row) in local.rows.iter().filter(|(point, _)| period(point)) {
-            for entry in row {
-                let sector = i32::try_from(entry.sector).unwrap_or(0);
-                let [i, j] = entry.point.map_or([0, 0], |p| kind.rotated(p, sector));
-                *mask.entry([x - d * i, y - d * j]).or_insert(0.0) += entry.weight;
+            for (place, weight) in row {
+                let [i, j] = place.map_or([0, 0], |(sector, p)| kind.rotated(p, i32::try_from(sector).unwrap_or(0)));
+                *mask.entry([x - d * i, y - d * j]).or_insert(0.0) += weight;
             }
         }
         mask.retain(|_, weight| weight.abs() > ZERO_WEIGHT);

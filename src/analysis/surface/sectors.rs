@@ -51,6 +51,24 @@ impl NetKind {
         points
     }
 
+    /// Returns the corners of the cells of a unit square, counter-clockwise: of the square itself, or of its lower and its
+    /// upper triangle.
+    pub(super) fn shapes(self) -> &'static [&'static [LatticePoint]] {
+        match self {
+            Self::Triangles => &[&[[0, 0], [1, 0], [0, 1]], &[[1, 0], [1, 1], [0, 1]]],
+            Self::Quads | Self::Dual => &[&[[0, 0], [1, 0], [1, 1], [0, 1]]],
+        }
+    }
+
+    /// Returns the faces of one sector up to a radius; the first corner of a square or a lower triangle is the one
+    /// nearest to the centre.
+    pub(super) fn faces(self, radius: i32) -> Vec<Vec<LatticePoint>> {
+        let cells = (0..radius).flat_map(|i| (0..radius).map(move |j| [i, j]));
+        let face = |[i, j]: LatticePoint, shape: &[LatticePoint]| shape.iter().map(|[x, y]| [i + x, j + y]).collect();
+        let all = cells.flat_map(|cell| self.shapes().iter().map(move |shape| face(cell, shape)));
+        all.filter(|face: &Vec<LatticePoint>| face.iter().all(|&point| self.radius(point) <= radius)).collect()
+    }
+
     /// Returns the mirror image of a point: within its sector, except that the reflection maps points on rays from
     /// sector s to -s.
     pub(super) fn mirrored(self, [i, j]: LatticePoint) -> LatticePoint {

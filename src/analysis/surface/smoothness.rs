@@ -1,10 +1,10 @@
 //! The smoothness of limits of regular nets.
 
-use super::convergence::{LatticeCertificate, certificates};
+use super::convergence::certificates;
 use super::quotient::{Quotient, fraction};
 use super::regular::RegularMask;
 use super::verdict::Status;
-use crate::analysis::smoothness::{SmoothnessReport, Symbol};
+use crate::analysis::smoothness::{SmoothnessCertificate, SmoothnessReport, Symbol};
 use crate::math::exact::{Exact, binary};
 use crate::math::mask::Mask;
 use crate::watch::{Stopped, Watch};
@@ -17,7 +17,7 @@ pub enum SmoothnessProof {
     /// The mask is a product of two curve masks: the report on the first, and on the second if it differs.
     Product(Vec<SmoothnessReport>),
     /// Norms of difference schemes, and the joint spectral radius of a step modulo polynomials, if it is computed.
-    Norms(Vec<LatticeCertificate>, Option<Box<Quotient>>),
+    Norms(Vec<SmoothnessCertificate>, Option<Box<Quotient>>),
 }
 
 /// The smoothness of limits of regular nets.

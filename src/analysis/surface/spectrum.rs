@@ -140,18 +140,13 @@ impl Spectrum {
 
     /// Returns the weights of two tangents for a left eigenvector of the block of index 1, by point and sector.
     pub(super) fn tangent_masks(&self, row: &[f64]) -> [Vec<PointWeight>; 2] {
-        let mut complex: Vec<(LatticePoint, [f64; 2])> = Vec::new();
-        for (component, &y) in self.blocks[1].components.iter().zip(row) {
-            match *component {
-                Component::Centre => {}
-                Component::OnAxis(p) => complex.push((p, [y, 0.0])),
-                Component::Even(p, q) => complex.extend([(p, [y / 2.0, 0.0]), (q, [y / 2.0, 0.0])]),
-                Component::Odd(p, _) => {
-                    let pair = complex.iter_mut().rev().take(2);
-                    pair.for_each(|(at, w)| w[1] = if *at == p { -y / 2.0 } else { y / 2.0 });
-                }
-            }
-        }
+        let components = &self.blocks[1].components;
+        let halved = |(component, &y): (&Component, &f64)| match component {
+            Component::Centre | Component::OnAxis(_) => y,
+            Component::Even(..) => y / 2.0,
+            Component::Odd(..) => -y / 2.0,
+        };
+        let complex = FourierBlock::values(components, &components.iter().zip(row).map(halved).collect::<Vec<_>>());
         let mask = |which: usize| {
             let weights = |&(point, [re, im]): &(LatticePoint, [f64; 2])| {
                 let value = |sector: usize| {

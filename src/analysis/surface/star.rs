@@ -29,7 +29,7 @@ pub(super) struct Star {
 impl Star {
     /// Creates the net of n sectors with points up to a radius.
     pub(super) fn new(kind: NetKind, n: usize, radius: i32) -> Self {
-        let points = kind.points(radius);
+        let (points, cells) = (kind.points(radius), kind.faces(radius));
         let mut places: Vec<Option<SectorPoint>> = if kind.has_centre() { vec![None] } else { Vec::new() };
         places.extend((0..n).flat_map(|s| points.iter().map(move |&p| Some((s, p)))));
         let numbers: BTreeMap<SectorPoint, u32> =
@@ -44,21 +44,7 @@ impl Star {
             faces.push((0..n).map(|s| at(s, [0, 0])));
         }
         for s in 0..n {
-            for (i, j) in (0..radius).flat_map(|i| (0..radius).map(move |j| (i, j))) {
-                let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
-                let [a, b, c, d] = corners;
-                match kind {
-                    NetKind::Quads | NetKind::Dual => faces.push(corners.map(|p| at(s, p))),
-                    NetKind::Triangles => {
-                        if i + j < radius {
-                            faces.push([a, b, d].map(|p| at(s, p)));
-                        }
-                        if i + j + 2 <= radius {
-                            faces.push([b, c, d].map(|p| at(s, p)));
-                        }
-                    }
-                }
-            }
+            cells.iter().for_each(|face| faces.push(face.iter().map(|&p| at(s, p))));
             if !kind.has_centre() {
                 let before = (s + n - 1) % n;
                 let strip = |i: i32| [at(before, [0, i]), at(before, [0, i + 1]), at(s, [i + 1, 0]), at(s, [i, 0])];

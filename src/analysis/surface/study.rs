@@ -45,9 +45,8 @@ pub struct ValenceReport {
     pub valence: usize,
     /// The eigenvalues with their Fourier indices, the largest first.
     pub eigenvalues: Vec<LocalEigenvalue>,
-    /// The subdominant eigenvalue: the largest of Fourier index 1, if it is real and positive.
-    pub subdominant: Option<f64>,
-    /// The ratio of the absolute value of the next eigenvalue to the subdominant eigenvalue.
+    /// The ratio of the absolute value of the next eigenvalue to the subdominant one, the largest of Fourier index 1,
+    /// if that is real and positive.
     pub ratio: Option<f64>,
     /// The weights of the limit position.
     pub limit_mask: Vec<PointWeight>,
@@ -166,7 +165,6 @@ impl SurfaceStudy {
         });
         Ok(ValenceReport {
             valence,
-            subdominant: spectrum.subdominant(),
             ratio: spectrum.subdominant().map(|value| spectrum.next().0 / value),
             limit_mask: spectrum.limit_mask(),
             tangent_masks,
@@ -185,8 +183,8 @@ impl SurfaceStudy {
         let n = i32::try_from(n).unwrap_or(i32::MAX);
         local.rows.iter().filter(|(p, _)| kind.radius(**p) >= radius - reach).all(|(p, row)| {
             let mut left: BTreeMap<Option<(usize, LatticePoint)>, f64> = BTreeMap::new();
-            for entry in row {
-                *left.entry(entry.point.map(|point| (entry.sector, point))).or_insert(0.0) += entry.weight;
+            for &(place, weight) in row {
+                *left.entry(place).or_insert(0.0) += weight;
             }
             for (k, a) in mask.iter().filter(|(k, _)| (0..2).all(|axis| (p[axis] - k[axis]) % d == 0)) {
                 let old = [0, 1].map(|axis| (p[axis] - k[axis]) / d);

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 
 use super::level::ComparedNet;
 use super::sheet::{flat, normal, windings};
+use crate::math::distinct::distinct;
 use crate::math::functions::{real, sqrt};
 use crate::math::vector::{Vector, cross, dot, length, mean, minus, plus, times, unit};
 use crate::shape::topology::NONE;
@@ -76,10 +77,7 @@ impl<'a> Hulls<'a> {
         let area = |half_edge: u32| normal(topology, points, half_edge);
         let half_edges = || around.iter().flat_map(|&f| topology.half_edges(f));
         let sum = half_edges().map(area).fold([0.0; 3], plus);
-        let size = length(sum);
-        if size.is_nan() || size <= 0.0 {
-            return None;
-        }
+        let size = Some(length(sum)).filter(|&size| size > 0.0)?;
         let n = times(1.0 / size, sum);
         if !half_edges().all(|half_edge| dot(n, area(half_edge)) > 0.0) {
             return None;
@@ -101,9 +99,7 @@ impl<'a> Hulls<'a> {
         }
         let ends = |half_edge: u32| minus(end(half_edge), at(half_edge));
         let is_inside = |v: u32| topology.ring(v as usize).all(|c| around.binary_search(&topology.face_of(c)).is_ok());
-        let mut inner: Vec<u32> = around.iter().flat_map(|&f| topology.face(f)).copied().collect();
-        inner.sort_unstable();
-        inner.dedup();
+        let inner = distinct(around.iter().flat_map(|&f| topology.face(f)).copied());
         if inner.iter().any(|&v| is_inside(v) && windings(n, topology.ring(v as usize).map(ends)) > 1) {
             return None;
         }
@@ -119,10 +115,7 @@ impl<'a> Hulls<'a> {
     fn near(&self, face: usize) -> &[u32] {
         self.near[face].get_or_init(|| {
             let faces = self.around(face, self.reach);
-            let mut all: Vec<u32> = faces.iter().flat_map(|&f| self.level.topology.face(f)).copied().collect();
-            all.sort_unstable();
-            all.dedup();
-            all
+            distinct(faces.iter().flat_map(|&f| self.level.topology.face(f)).copied())
         })
     }
 
@@ -133,9 +126,7 @@ impl<'a> Hulls<'a> {
         let mut outermost = vec![face];
         for _ in 0..rings {
             let half_edges = outermost.iter().flat_map(|&f| topology.face(f)).flat_map(|&v| topology.ring(v as usize));
-            let mut next: Vec<usize> = half_edges.map(|half_edge| topology.face_of(half_edge)).collect();
-            next.sort_unstable();
-            next.dedup();
+            let mut next = distinct(half_edges.map(|half_edge| topology.face_of(half_edge)));
             next.retain(|f| all.binary_search(f).is_err());
             all.extend(&next);
             all.sort_unstable();

@@ -48,18 +48,12 @@ impl ProjectedSheet {
         let normal = |half_edge: u32| normal(topology, points, half_edge);
         let corners = topology.face(face);
         let sum = topology.half_edges(face).map(normal).fold([0.0; 3], plus);
-        let size = length(sum);
-        if size.is_nan() || size <= 0.0 {
-            return None;
-        }
+        let size = Some(length(sum)).filter(|&size| size > 0.0)?;
         let n = times(1.0 / size, sum);
         let (mut slope, mut boundary) = (0.0_f64, Vec::new());
         for half_edge in faces.iter().flat_map(|&f| topology.half_edges(f)) {
             let here = normal(half_edge);
-            let up = dot(n, here);
-            if up.is_nan() || up <= 0.0 {
-                return None;
-            }
+            let up = Some(dot(n, here)).filter(|&up| up > 0.0)?;
             slope = slope.max(length(flat(n, here)) / up);
             let twin = topology.twin(half_edge);
             if twin == NONE || !faces.contains(&topology.face_of(twin)) {
@@ -119,10 +113,7 @@ impl ProjectedSheet {
         let n = self.normal;
         let [a, b, c] = triangle;
         let normal = cross(minus(b, a), minus(c, a));
-        let up = dot(n, normal);
-        if up.is_nan() || up <= 0.0 {
-            return None;
-        }
+        let up = Some(dot(n, normal)).filter(|&up| up > 0.0)?;
         let outline = triangle.map(|p| flat(n, p));
         let mut below = [[0.0; 3]; 4];
         let below = &mut below[..points.len().min(4)];

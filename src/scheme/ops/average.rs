@@ -13,7 +13,6 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Follows, Operator, Role, SplineStep};
 use crate::scheme::parameters::{DEFAULT_MU, SPLIT};
 use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::preimage::Preimage;
 use crate::scheme::settings::LetterSettings;
 use crate::scheme::stencil::{EdgeMask, FaceMask, RingMask, VertexMask};
 use crate::scheme::step::{Action, Step, StepValues};
@@ -62,10 +61,10 @@ impl Operator for Average {
     fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         let (landed, preimages) = net.land(MaskRange::mean(3, false))?;
         let (old, f, first) = (net.clone(), values.kernel, values.first);
-        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
-            Preimage::End(end) => out.add(index(end), 1.0),
-            Preimage::Point(j) if old.is_corner(old.control(j)) => old.add(j, 1.0, out),
-            Preimage::Point(j) => {
+        let rows = preimages.rows(net.n, move |j, out: &mut Rows| {
+            if old.is_corner(old.control(j)) {
+                old.add(j, 1.0, out);
+            } else {
                 // two D: the means with the preceding and the following point, weighted by the kernel at vertices, and
                 // their mean
                 let [a, b, c] = triple(&[j - 1, j, j + 1].map(|i| old.weight(i, f, first)));

@@ -1,11 +1,10 @@
 //! A level of the d-ary circle scheme, whose mask depends on alpha.
 
-use super::masked::apply;
+use super::masked::apply_own;
 use crate::math::functions::sin;
 use crate::math::mask::Mask;
 use crate::scheme::curve_rule::{CurveRule, spread};
 use crate::scheme::extent::Extent;
-use crate::scheme::mask_range::MaskRange;
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::parameters::{ARITY, AVERAGES, FIRST, MASK};
 use crate::scheme::polygon_anchor::PolygonAnchor;
@@ -62,20 +61,9 @@ impl Operator for Circle {
         Ok(())
     }
 
-    fn mask_range(&self, settings: &LetterSettings, _: u32) -> Option<MaskRange> {
-        let mask = settings.mask()?;
-        Some(MaskRange { arity: settings.arity(), first: mask.first, last: mask.last() })
-    }
-
     fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
         let settings = values.settings;
-        let (Some(range), Some(mask)) = (self.mask_range(settings, 0), settings.mask()) else {
-            return Err(StepError::new("a circle mask is scheduled before it is applied"));
-        };
-        if !net.corners.is_empty() {
-            return Err(StepError::new("corners need a word over U, C and P; this scheme is a mask and has none"));
-        }
-        let (landed, rows) = apply(net, range, mask)?;
+        let (landed, rows) = apply_own(net, settings, "a circle mask is scheduled before it is applied")?;
         let lost = net.extent == Extent::Natural && settings.whole(&AVERAGES).is_some_and(|averages| averages > 0);
         let anchor = PolygonAnchor { lost, ..net.as_anchor() };
         let phase = Some(net.phase_after(settings.arity()));

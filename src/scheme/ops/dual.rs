@@ -15,7 +15,6 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Operator, Role, SplineStep};
 use crate::scheme::parameters::SPLIT;
 use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::preimage::Preimage;
 use crate::scheme::settings::LetterSettings;
 use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
@@ -73,14 +72,11 @@ impl Operator for Dual {
         let back = isize::from(net.duals % 2 == 1);
         let (landed, preimages) = net.land(MaskRange::mean(2, back == 1))?;
         let (old, f, first) = (net.clone(), values.kernel, values.first);
-        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
-            Preimage::End(end) => out.add(index(end), 1.0),
-            Preimage::Point(j) => {
-                let (left, right) = (j - back, j - back + 1);
-                let [a, b] = pair(&old.weight(left, f, first), &old.weight(right, f, first));
-                old.add(left, a, out);
-                old.add(right, b, out);
-            }
+        let rows = preimages.rows(net.n, move |j, out: &mut Rows| {
+            let (left, right) = (j - back, j - back + 1);
+            let [a, b] = pair(&old.weight(left, f, first), &old.weight(right, f, first));
+            old.add(left, a, out);
+            old.add(right, b, out);
         });
         let rows = if net.is_uniform(values.first) { rows.repeating(net.period(), 4 * net.period()) } else { rows };
         Ok(Step { net: landed.shifted(1), action: Action::Blend(Box::new(rows)) })

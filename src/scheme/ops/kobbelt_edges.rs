@@ -100,7 +100,7 @@ fn beyond(parent: &Topology, outgoing: u32, out: &mut Rows) {
     for i in 0..n {
         let [neighbour, diagonal] = virtual_point(i, n);
         out.add(end_of(half_edge), EDGE_RULE.far * neighbour);
-        opposite(parent, half_edge, EDGE_RULE.far * diagonal, out);
+        opposite(parent, half_edge, EDGE_RULE.far * diagonal, |half_edge| parent.vertex(half_edge), out);
         half_edge = around(half_edge);
     }
 }
@@ -114,13 +114,14 @@ fn virtual_point(i: usize, n: usize) -> [f64; 2] {
     [neighbour, ratio(taken, 9) - ratio(4, 9 * n)]
 }
 
-/// Adds the vertex opposite the start of a half-edge of a quad; in other faces, twice the centroid minus the start.
-fn opposite(parent: &Topology, half_edge: u32, weight: f64, out: &mut Rows) {
+/// Adds the point opposite that of a half-edge of a quad; in other faces, twice the centroid minus that point. `point`
+/// returns the point of a half-edge: its start, or that of its edge.
+pub(super) fn opposite(parent: &Topology, half_edge: u32, weight: f64, point: impl Fn(u32) -> u32, out: &mut Rows) {
     let face = parent.face_of(half_edge);
     if parent.face(face).len() == 4 {
-        out.add(parent.vertex(parent.next(parent.next(half_edge))), weight);
+        out.add(point(parent.next(parent.next(half_edge))), weight);
     } else {
         out.add(index(parent.n_vertices() + parent.n_edges() + face), 2.0 * weight);
-        out.add(parent.vertex(half_edge), -weight);
+        out.add(point(half_edge), -weight);
     }
 }

@@ -1,6 +1,7 @@
 //! The face points of Kobbelt's interpolating scheme, applied after its edge points.
 
 use super::around;
+use super::kobbelt_edges::opposite;
 use crate::math::functions::ratio;
 use crate::math::rows::{Rows, RowsBy};
 use crate::scheme::mesh_net::MeshNet;
@@ -68,11 +69,5 @@ fn face_row(parent: &Topology, face: usize, out: &mut Rows) {
 /// Adds the point that lies opposite an edge across the face.
 fn across(parent: &Topology, half_edge: u32, weight: f64, out: &mut Rows) {
     let n_v = index(parent.n_vertices());
-    let face = parent.face_of(half_edge);
-    if parent.face(face).len() == 4 {
-        out.add(n_v + parent.edge(parent.next(parent.next(half_edge))), weight);
-    } else {
-        out.add(n_v + index(parent.n_edges() + face), 2.0 * weight);
-        out.add(n_v + parent.edge(half_edge), -weight);
-    }
+    opposite(parent, half_edge, weight, |half_edge| n_v + parent.edge(half_edge), out);
 }

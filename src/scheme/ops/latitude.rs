@@ -86,8 +86,7 @@ impl LatitudeLines {
     fn beyond_vertex(&self, v: u32, e: u32) -> Option<Even> {
         let pair = self.latitude[v as usize]?;
         let other = if pair[0] == e { pair[1] } else { pair[0] };
-        let [a, b] = self.topology.ends(other as usize);
-        Some(Even::Vertex(if a == v { b } else { a }))
+        Some(Even::Vertex(self.topology.other_end(other as usize, v as usize)))
     }
 
     /// Returns the point of the other longitude edge of the face across a half-edge.

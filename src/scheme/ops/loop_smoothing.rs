@@ -7,7 +7,6 @@ use crate::scheme::creases::{Blend, Creases, Rule};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Facts, Follows, Nets, Operator, Role, SplineStep, Standard};
 use crate::scheme::settings::LetterSettings;
-use crate::scheme::sharpness::edges_at;
 use crate::scheme::stencil::{RingMask, TriangleEdgeMask};
 use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
@@ -65,7 +64,7 @@ impl Operator for LoopSmoothing {
                     Rule::Crease(edges) => CURVE_MASK.times(weight).add_ends(&parent, row, edges.into_iter(), out),
                     Rule::Smooth => {
                         let mask = vertex_mask(parent.valence(row)).times(weight);
-                        mask.add_ends(&parent, row, edges_at(&parent, row), out);
+                        mask.add_ends(&parent, row, parent.edges_at(row), out);
                     }
                 }
             }

@@ -1,17 +1,15 @@
 //! A whole level of a linear curve scheme, given by its mask.
 
 use crate::math::mask::Mask;
-use crate::math::rows::{RowSource, Rows, RowsBy};
+use crate::math::rows::{RowSource, Rows};
 use crate::scheme::curve_rule::CurveRule;
 use crate::scheme::mask_range::{MaskRange, steps};
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
 use crate::scheme::parameters::{ARITY, FIRST, MASK};
 use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::preimage::Preimage;
 use crate::scheme::settings::LetterSettings;
 use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
-use crate::shape::topology::index;
 
 /// A level of the scheme `q[j] = sum over i of a[j - d i] p[i]` of arity d with the mask a.
 #[derive(Debug)]
@@ -34,23 +32,24 @@ impl Operator for Masked {
         &FACTS
     }
 
-    fn mask_range(&self, settings: &LetterSettings, _: u32) -> Option<MaskRange> {
-        let mask = settings.mask()?;
-        Some(MaskRange { arity: settings.arity(), first: mask.first, last: mask.last() })
-    }
-
     fn on_polygon(&self, net: &PolygonNet, values: &StepValues<'_>) -> Result<Step<PolygonNet>, StepError> {
-        let settings = values.settings;
-        let (Some(range), Some(mask)) = (self.mask_range(settings, 0), settings.mask()) else {
-            return Err(StepError::new("a mask operator has a mask"));
-        };
-        if !net.corners.is_empty() {
-            return Err(StepError::new("corners need a word over U, C and P; this scheme is a mask and has none"));
-        }
-        let (landed, rows) = apply(net, range, mask)?;
+        let (landed, rows) = apply_own(net, values.settings, "a mask operator has a mask")?;
         let next = PolygonNet { duals: 0, phase: None, anchor: None, ..landed };
         Ok(Step { net: next, action: Action::Blend(rows) })
     }
+}
+
+/// Returns the net and the rows after the mask of a letter; `missing` says that it has none.
+pub(super) fn apply_own(
+    net: &PolygonNet,
+    settings: &LetterSettings,
+    missing: &'static str,
+) -> Result<(PolygonNet, Box<dyn RowSource>), StepError> {
+    let mask = settings.mask().ok_or_else(|| StepError::new(missing))?;
+    if !net.corners.is_empty() {
+        return Err(StepError::new("corners need a word over U, C and P; this scheme is a mask and has none"));
+    }
+    apply(net, MaskRange::of(settings.arity(), &mask), mask)
 }
 
 /// Returns the net and the rows after a mask. Clamped ends keep their position; with a symmetric mask, they would do so
@@ -63,21 +62,17 @@ pub(super) fn apply(
     let (landed, preimages) = net.land(range)?;
     let uniform = net.corners.is_empty();
     let old = net.clone();
-    let n = landed.n;
-    let rows = RowsBy::new(n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
-        Preimage::End(end) => out.add(index(end), 1.0),
-        Preimage::Point(j) => {
-            if old.is_corner(old.control(j)) {
-                old.add(j, 1.0, out);
-                return;
-            }
-            let d = steps(range.arity);
-            let (lowest, highest) = (j - range.last as isize, j - range.first as isize);
-            for i in -(-lowest).div_euclid(d)..=highest.div_euclid(d) {
-                let weight = mask.at(j - d * i);
-                if weight != 0.0 {
-                    old.add(i, weight, out);
-                }
+    let rows = preimages.rows(net.n, move |j, out: &mut Rows| {
+        if old.is_corner(old.control(j)) {
+            old.add(j, 1.0, out);
+            return;
+        }
+        let d = steps(range.arity);
+        let (lowest, highest) = (j - range.last as isize, j - range.first as isize);
+        for i in -(-lowest).div_euclid(d)..=highest.div_euclid(d) {
+            let weight = mask.at(j - d * i);
+            if weight != 0.0 {
+                old.add(i, weight, out);
             }
         }
     });

@@ -1,6 +1,7 @@
 //! P: the push-back.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
 use super::latitude::LatitudeLines;
@@ -217,23 +218,15 @@ fn deltas(net: &MeshNet, anchor: &Anchor, delta: &Expression) -> Result<Vec<f64>
             Some(_) => anchor.tile.regular_valence(),
             None => seen_valence(&anchor.topology, anchor.tile, v),
         };
-        let value = if let Some(&value) = known.get(&valence) {
-            value
-        } else {
-            let value = delta.value(ratio(valence, 1));
-            let value = value.map_err(|error| no_delta(valence, &error))?;
-            known.insert(valence, value);
-            value
+        let value = match known.entry(valence) {
+            Entry::Occupied(known) => *known.get(),
+            Entry::Vacant(new) => *new.insert(delta.value(ratio(valence, 1)).map_err(|e| no_delta(valence, &e))?),
         };
         deltas.push(own.map_or(value, |own| own[v]));
     }
-    for &corner in anchor.corners.iter() {
-        deltas[corner as usize] = 0.0;
-    }
-    let apart = creases.as_ref().map_or(&[][..], Creases::vertices);
-    for &(corner, _) in apart.iter().filter(|(_, blend)| blend.before == Rule::Corner) {
-        deltas[corner as usize] = 0.0;
-    }
+    let apart = creases.as_ref().map_or(&[][..], Creases::vertices).iter();
+    let apart = apart.filter(|(_, blend)| blend.before == Rule::Corner).map(|(corner, _)| corner);
+    anchor.corners.iter().chain(apart).for_each(|&corner| deltas[corner as usize] = 0.0);
     Ok(deltas)
 }
 

@@ -9,7 +9,6 @@ use crate::scheme::creases::{Blend, Rule};
 use crate::scheme::forecast::{Census, sum};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Nets, Operator, Role};
-use crate::scheme::sharpness::edges_at;
 use crate::scheme::stencil::RingMask;
 use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::StepError;
@@ -123,7 +122,7 @@ fn vertex_row(net: &MeshNet, boundary: BoundarySplit, v: usize, out: &mut Rows) 
     match (Blend::of(v, old, &net.tags, None).before, boundary) {
         (Rule::Corner, _) | (Rule::Crease(_), BoundarySplit::Whole) => out.add(index(v), 1.0),
         (Rule::Crease(edges), BoundarySplit::Thirds) => curve_mask().add_ends(old, v, edges.into_iter(), out),
-        (Rule::Smooth, _) => vertex_mask(old.ring(v).count()).add_ends(old, v, edges_at(old, v), out),
+        (Rule::Smooth, _) => vertex_mask(old.ring(v).count()).add_ends(old, v, old.edges_at(v), out),
     }
 }
 

@@ -12,12 +12,10 @@ use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::{Children, Facts, Follows, Operator, Role, SplineStep, Standard};
 use crate::scheme::parameters::{ARITY, SPLIT};
 use crate::scheme::polygon_net::PolygonNet;
-use crate::scheme::preimage::Preimage;
 use crate::scheme::settings::LetterSettings;
 use crate::scheme::step::{Action, Step, StepValues};
 use crate::scheme::step_error::{About, StepError};
 use crate::shape::tile::Tile;
-use crate::shape::topology::index;
 
 /// U, upsampling of arity d: `q[d i + j] = ((d - j) p[i] + j p[i + 1]) / d` on curves; on meshes vertices stay, edges
 /// are interpolated linearly, quads bilinearly, triangles linearly, other faces through the mean of their vertices.
@@ -62,18 +60,15 @@ impl Operator for Upsample {
         let arity = values.settings.arity();
         let (landed, preimages) = net.land(MaskRange::upsample(arity))?;
         let old = net.clone();
-        let rows = RowsBy::new(landed.n, net.n, move |row, out: &mut Rows| match preimages.of(row) {
-            Preimage::End(end) => out.add(index(end), 1.0),
-            Preimage::Point(j) => {
-                let d = steps(arity);
-                let (i, j) = (j.div_euclid(d), j.rem_euclid(d));
-                if j == 0 {
-                    old.add(i, 1.0, out);
-                } else {
-                    let [first, second] = between(j as i64, arity.into());
-                    old.add(i, first, out);
-                    old.add(i + 1, second, out);
-                }
+        let rows = preimages.rows(net.n, move |j, out: &mut Rows| {
+            let d = steps(arity);
+            let (i, j) = (j.div_euclid(d), j.rem_euclid(d));
+            if j == 0 {
+                old.add(i, 1.0, out);
+            } else {
+                let [first, second] = between(j as i64, arity.into());
+                old.add(i, first, out);
+                old.add(i + 1, second, out);
             }
         });
         let rows = rows.repeating(arity as usize, 4 * arity as usize);

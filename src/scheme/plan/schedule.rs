@@ -79,16 +79,14 @@ impl Plan {
 
     fn kernel_at(&self, place: usize, alpha: f64, level: u32, letter: &Letter) -> Result<f64, Fault> {
         let Some(kernel) = self.kernel.get(place) else { return Ok(1.0) };
-        let value = at(kernel, alpha, level, "kernel")?;
-        if !has_average(value) {
-            return Err(no_average("kernel", value, alpha, level));
-        }
+        let average = |kernel: &Expression, name| {
+            let value = at(kernel, alpha, level, name)?;
+            if has_average(value) { Ok(value) } else { Err(no_average(name, value, alpha, level)) }
+        };
+        let value = average(kernel, "kernel")?;
         let longitude = self.latitude.as_ref().and_then(|latitude| latitude.kernel_longitude.as_ref());
         if let Some(kernel) = longitude.filter(|kernel| place == 0 && kernel.is_constant()) {
-            let value = at(kernel, alpha, level, "kernel_longitude")?;
-            if !has_average(value) {
-                return Err(no_average("kernel_longitude", value, alpha, level));
-            }
+            average(kernel, "kernel_longitude")?;
         }
         if letter.settings.tile() == Tile::Triangle
             && self.triangle_sums(value, letter).iter().any(|sum| sum.abs() < VANISHING_SUM)

@@ -18,8 +18,7 @@ pub(super) const CATMULL_CLARK: Preset = Preset {
     refines: Refines::Meshes,
     claims: &[Claim::on_meshes("", &[&[]], ["2", "4", "1"], Some([3, 50]))],
     spell: |values| {
-        let mut cycle = letters("U");
-        cycle.push(Letter::plain(&CatmullClark));
+        let cycle = [letters("U"), vec![Letter::plain(&CatmullClark)]].concat();
         let triangles =
             if values.choice("triangle_rule") == Some("smooth") { TriangleRule::Smooth } else { TriangleRule::Catmark };
         Ok(Spelling { rules: Rules { creasing: creasing(values), triangles }, ..Spelling::of(cycle) })
@@ -36,8 +35,7 @@ pub(super) const LOOP: Preset = Preset {
     refines: Refines::Meshes,
     claims: &[Claim::on_meshes("", &[&[]], ["2", "4", "1"], Some([3, 50]))],
     spell: |values| {
-        let mut cycle = letters("U");
-        cycle.push(Letter::plain(&LoopSmoothing));
+        let cycle = [letters("U"), vec![Letter::plain(&LoopSmoothing)]].concat();
         let rules = Rules { creasing: creasing(values), ..Rules::default() };
         Ok(Spelling { tile: Tile::Triangle, rules, ..Spelling::of(cycle) })
     },

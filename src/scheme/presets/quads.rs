@@ -53,9 +53,7 @@ pub(super) const KOBBELT: Preset = Preset {
     refines: Refines::Meshes,
     claims: &[Claim::on_meshes("", &[&[]], ["1", "6", "3"], Some([3, 12]))],
     spell: |_| {
-        let mut cycle = letters("U");
-        cycle.push(Letter::plain(&KobbeltEdges));
-        cycle.push(Letter::plain(&KobbeltFaces));
-        Ok(Spelling::of(cycle))
+        let weighted = vec![Letter::plain(&KobbeltEdges), Letter::plain(&KobbeltFaces)];
+        Ok(Spelling::of([letters("U"), weighted].concat()))
     },
 };

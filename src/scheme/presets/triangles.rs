@@ -26,8 +26,7 @@ pub(super) const BUTTERFLY: Preset = Preset {
     ],
     spell: |values| {
         let w = Value::Number(values.number("w").unwrap_or(1.0 / 16.0));
-        let mut cycle = letters("U");
-        cycle.push(Letter::plain(&ButterflyEdges).with(&ButterflyEdges::W, w));
+        let cycle = [letters("U"), vec![Letter::plain(&ButterflyEdges).with(&ButterflyEdges::W, w)]].concat();
         Ok(Spelling { tile: Tile::Triangle, ..Spelling::of(cycle) })
     },
 };

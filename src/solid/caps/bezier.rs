@@ -14,9 +14,14 @@ pub(super) fn choose(n: usize, k: usize) -> f64 {
 
 /// Returns the Bernstein polynomials of degree `K - 1` at t.
 pub(super) fn bernstein<const K: usize>(t: f64) -> [f64; K] {
+    bernstein_of(K - 1, t)
+}
+
+/// Returns the Bernstein polynomials of a degree below `K` at t, by de Casteljau's scheme; the others are 0.
+fn bernstein_of<const K: usize>(degree: usize, t: f64) -> [f64; K] {
     let mut values = [0.0; K];
     values[0] = 1.0;
-    for degree in 1..K {
+    for degree in 1..=degree {
         for k in (0..=degree).rev() {
             let before = if k > 0 { t * values[k - 1] } else { 0.0 };
             values[k] = before + (1.0 - t) * values[k];
@@ -65,14 +70,7 @@ impl<const D: usize, const K: usize> BezierNet<D, K> {
 
     /// Returns the point with the given Bernstein values in both directions.
     pub(super) fn blend(&self, along: &[f64; K], across: &[f64; K]) -> [f64; D] {
-        let mut sum = [0.0; D];
-        for (weight, row) in along.iter().zip(&self.0) {
-            let point = weighted(across, row);
-            for (sum, x) in sum.iter_mut().zip(point) {
-                *sum += weight * x;
-            }
-        }
-        sum
+        weighted(along, &self.0.each_ref().map(|row| weighted(across, row)))
     }
 
     /// Returns the point at (u, v).
@@ -90,20 +88,10 @@ impl<const D: usize, const K: usize> BezierNet<D, K> {
 
 /// Returns the derivatives of the Bernstein polynomials of degree `K - 1` at t.
 fn steepness<const K: usize>(t: f64) -> [f64; K] {
-    let degree = K - 1;
-    // the polynomials of the next lower degree, by de Casteljau's scheme
-    let mut lower = [0.0; K];
-    lower[0] = 1.0;
-    for d in 1..degree {
-        for k in (0..=d).rev() {
-            let before = if k > 0 { t * lower[k - 1] } else { 0.0 };
-            lower[k] = before + (1.0 - t) * lower[k];
-        }
-    }
+    let lower: [f64; K] = bernstein_of(K - 2, t);
     std::array::from_fn(|k| {
         let before = if k > 0 { lower[k - 1] } else { 0.0 };
-        let own = if k < degree { lower[k] } else { 0.0 };
-        real(degree) * (before - own)
+        real(K - 1) * (before - lower[k])
     })
 }
 

@@ -10,13 +10,23 @@ use super::table::{CapTable, Residual};
 use crate::math::functions::sqrt;
 use crate::math::vector::{Vector, dot, length, minus};
 
-/// How a distance was determined.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    /// The distance is a proven bound of the distance between corresponding points.
+/// How a deviation was determined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum DeviationMethod {
+    /// The deviation is a proven bound, for caps of the distance between corresponding points.
     Certified,
-    /// The distance is the largest one at samples, times 1.1.
+    /// The deviation is the largest one of some samples, for fitted caps times 1.1.
     Sampled,
+}
+
+impl DeviationMethod {
+    /// Returns the name in certificates.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Certified => "certified",
+            Self::Sampled => "sampled",
+        }
+    }
 }
 
 /// The two-sided distance between a cap and the limit surface.
@@ -25,7 +35,7 @@ pub struct Deviation {
     /// The distance, in the units of the net.
     pub bound: f64,
     /// How the distance was determined.
-    pub method: Method,
+    pub method: DeviationMethod,
 }
 
 /// The rounding allowance of a bound, as a fraction of the largest distance of the net from the limit point: 2^-38.
@@ -48,7 +58,7 @@ impl CapTable {
     /// Panics if the two-ring does not have as many points as the valence asks for.
     pub fn bound(&self, two_ring: &[Vector]) -> Deviation {
         let Some(proof) = self.proof() else {
-            return Deviation { bound: self.estimate(two_ring), method: Method::Sampled };
+            return Deviation { bound: self.estimate(two_ring), method: DeviationMethod::Sampled };
         };
         let residual = self.residual(two_ring);
         let slopes: Vec<Slopes<3>> = residual.patches.iter().map(Slopes::of).collect();
@@ -61,7 +71,7 @@ impl CapTable {
             }
         }
         let bound = most.max(inside(proof, &rings, &residual)) + rounding(two_ring, residual.limit);
-        Deviation { bound, method: Method::Certified }
+        Deviation { bound, method: DeviationMethod::Certified }
     }
 }
 

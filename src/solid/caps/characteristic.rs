@@ -3,7 +3,7 @@
 
 use super::rings::Rings;
 use crate::math::functions::{cos, ratio, sin, sqrt};
-use crate::math::vector::{Complex, dot, minus};
+use crate::math::vector::{complex_product, dot, minus};
 
 /// Number of refinements after which the net counts as the limit. The second eigenvalue of its block is less than 0.4
 /// times the first, so that 40 reach rounding errors; half as many leave 1e-8, twice as many change nothing.
@@ -37,9 +37,14 @@ pub fn decay(n: usize) -> f64 {
     if n < 5 { 0.25 } else { eigenvalue(2, n).max(0.25) }
 }
 
-/// Returns the product of two plane vectors as complex numbers.
-pub(super) fn complex_product(a: Complex, b: Complex) -> Complex {
-    [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
+/// Returns the number of refinements, at least one, after which the deviation of a cap has shrunk to a fraction.
+pub(super) fn rings_until(n: usize, fraction: f64) -> usize {
+    let (mut rings, mut left) = (1, decay(n));
+    while left > fraction {
+        left *= decay(n);
+        rings += 1;
+    }
+    rings
 }
 
 /// Extends sector 0 of a net to all sectors by rotation.

@@ -1,8 +1,8 @@
 //! Least squares for equations with rotational symmetry around a vertex, one frequency at a time.
 
-use super::characteristic::{complex_product, turn_cos, turn_sin};
+use super::characteristic::{turn_cos, turn_sin};
 use crate::math::functions::{real, sqrt};
-use crate::math::vector::Complex;
+use crate::math::vector::{Complex, complex_product};
 
 /// Columns whose part orthogonal to the columns before them is less than this fraction of the greatest length are
 /// dropped. Dependent columns keep about 1e-15, the least independent one of all valences 9e-3. Twice or half of it

@@ -14,7 +14,7 @@ mod samples;
 mod stretch;
 mod table;
 
-pub use bound::{Deviation, Method};
+pub use bound::{Deviation, DeviationMethod};
 pub use characteristic::decay;
 pub use cost::{CapCost, cost};
 pub use table::{CapPatch, CapTable, VALENCES};

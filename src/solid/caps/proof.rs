@@ -2,7 +2,7 @@
 //! much it stretches distances.
 
 use super::bezier::BezierNet;
-use super::characteristic::decay;
+use super::characteristic::rings_until;
 use super::composed::{Composed, Path, SHORT_TERMS, part_of_cubic, raised_whole};
 use super::join::SectorPatch;
 use super::rings::{LEAVES, Rings};
@@ -43,12 +43,7 @@ fn shrunk(n: usize) -> f64 {
 
 /// Returns the number of rings of leaves that are examined one by one.
 pub(super) fn n_rings(n: usize) -> usize {
-    let (mut rings, mut left) = (1, decay(n));
-    while left > shrunk(n) {
-        left *= decay(n);
-        rings += 1;
-    }
-    rings
+    rings_until(n, shrunk(n))
 }
 
 /// Returns the number of cells along each side of a leaf of a ring, 1 for the outermost. The error of paths of foot

@@ -1,10 +1,9 @@
 //! Lower and upper bounds of the factor by which patches stretch distances.
 
 use super::bezier::{BezierNet, restriction};
-use super::characteristic::complex_product;
 use super::join::SectorPatch;
 use crate::math::functions::{real, sqrt};
-use crate::math::vector::{dot, minus, plus, times};
+use crate::math::vector::{complex_product, dot, minus, plus, times};
 
 /// An interval of each of the two parameters.
 pub(super) type Area = [[f64; 2]; 2];

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 use std::sync::OnceLock;
 
 use super::bezier::spaced;
-use super::characteristic::{characteristic_net, decay};
+use super::characteristic::{characteristic_net, rings_until};
 use super::join::{FREE_COEFFICIENTS, Free, SectorPatch, first_leg, join, limit, tangents};
 use super::least::least_squares;
 use super::proof::ValenceProof;
@@ -191,13 +191,7 @@ impl CapTable {
 /// Returns the number of rings until the residual has shrunk to less than a fiftieth; samples further inside find
 /// nothing new.
 pub(super) fn rings_that_matter(valence: usize) -> usize {
-    let mut rings = 1;
-    let mut left = decay(valence);
-    while left > 0.02 {
-        left *= decay(valence);
-        rings += 1;
-    }
-    rings
+    rings_until(valence, 0.02)
 }
 
 /// Returns the parameters for which caps of unit two-rings are nearest to their limit surfaces in the least-squares

@@ -1,7 +1,7 @@
 //! Caps on nets whose limit surfaces are known, and on random ones.
 
 use super::bezier::{BezierNet, spaced};
-use super::bound::{Deviation, Method};
+use super::bound::{Deviation, DeviationMethod};
 use super::characteristic::{characteristic_net, subdominant, turn_cos, turn_sin};
 use super::join::{first_leg, limit, tangents};
 use super::rings::{LEAVES, PER_SECTOR, Rings};
@@ -337,7 +337,7 @@ fn certified_bounds_are_no_smaller_than_what_samples_find_and_not_much_larger() 
         for level in 0..if ASKED_VERTICES.is_some() { 3 } else { 2 } {
             let (bound, found) = (table.bound(&ring), grid.farthest(&ring, &table.cap(&ring)));
             let name = format!("valence {n}, net {seed}, noise {noise}, level {level}");
-            assert_eq!(bound.method, Method::Certified, "{name}");
+            assert_eq!(bound.method, DeviationMethod::Certified, "{name}");
             assert!((found..=LARGEST_BOUND * found).contains(&bound.bound), "{name}: {found:e} of {:e}", bound.bound);
             ring = refined(&ring, 1);
         }
@@ -347,7 +347,7 @@ fn certified_bounds_are_no_smaller_than_what_samples_find_and_not_much_larger() 
 #[test]
 fn bounds_at_regular_vertices_are_rounding() {
     let bound = CapTable::of(4).expect("a table").bound(&random(4, 0.3, 5));
-    assert!(bound.method == Method::Certified && bound.bound < 1e-9, "{bound:?}");
+    assert!(bound.method == DeviationMethod::Certified && bound.bound < 1e-9, "{bound:?}");
 }
 
 #[test]
@@ -374,7 +374,7 @@ fn images_of_two_parameters_are_as_far_apart_as_slopes_allow() {
 fn beyond_valence_12_deviations_are_sampled_and_said_to_be() {
     let ring = random(13, 0.1, 1);
     let table = CapTable::of(13).expect("a table");
-    assert_eq!(table.bound(&ring), Deviation { bound: table.estimate(&ring), method: Method::Sampled });
+    assert_eq!(table.bound(&ring), Deviation { bound: table.estimate(&ring), method: DeviationMethod::Sampled });
 }
 
 #[test]

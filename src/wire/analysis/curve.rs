@@ -7,11 +7,11 @@ use super::bounds::PolygonSurveyAnswer;
 use super::matrices::MatricesAnswer;
 use crate::analysis::LevelMask;
 use crate::analysis::smoothness::{
-    BasicFunction, IndexedWeights, Reduction, Smoothness, SmoothnessCertificate, SmoothnessReport, Symbol,
+    BasicFunction, Reduction, Smoothness, SmoothnessCertificate, SmoothnessReport, Symbol,
 };
 use crate::analysis::theorems::{Decay, Theorem};
 use crate::job::SchemeFindings;
-use crate::math::exact::{Exact, rounded};
+use crate::math::exact::{Exact, ExactSequence, rounded};
 use crate::math::mask::Mask;
 use crate::math::spectrum::Eigenvalue;
 
@@ -303,7 +303,7 @@ impl SchemeAnswer {
     pub(in crate::wire) fn of_report(report: &SmoothnessReport) -> Self {
         let symbol = &report.symbol;
         let known = symbol.is_exact;
-        let weights = |weights: &IndexedWeights| MaskAnswer::new(weights.first, &weights.values, known);
+        let weights = |weights: &ExactSequence| MaskAnswer::new(weights.first, &weights.values, known);
         let eigenvalues: &[Eigenvalue] = report.local_eigenvalues.as_deref().unwrap_or_default();
         let imaginary: Vec<f64> = eigenvalues.iter().map(|x| x.im).collect();
         let shift = symbol.shift();
