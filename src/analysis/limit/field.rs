@@ -11,8 +11,8 @@ use super::disc::{Centre, Disc, Located, NEAREST, RingCount};
 use super::error::Unlimited;
 use super::grid::regular_mask;
 use super::mask::{Finder, LimitMask, Masks};
+use super::neighbourhoods::Neighbourhoods;
 use super::on_net::CycleOnNet;
-use super::refined_net::RefinedNet;
 use super::regular::Regular;
 use super::sector::Sectors;
 use super::tangent::NoTangents;
@@ -29,7 +29,7 @@ const ISOLATED_CLASS: u32 = 1;
 /// The masks of all vertices of a net.
 #[derive(Debug)]
 pub(super) struct VertexMasks<'a> {
-    around: &'a RefinedNet,
+    around: &'a dyn Neighbourhoods,
     rings: RingCount,
     classes: Vec<u32>,
     masks: Vec<Arc<LimitMask>>,
@@ -49,7 +49,7 @@ pub(super) enum Functional {
 impl<'a> VertexMasks<'a> {
     /// Finds the masks of all vertices.
     pub(super) fn new(
-        around: &'a RefinedNet,
+        around: &'a dyn Neighbourhoods,
         on_net: &CycleOnNet<'_>,
         rings: RingCount,
         finder: &Finder<'_>,
@@ -110,7 +110,11 @@ impl<'a> VertexMasks<'a> {
     }
 
     /// Creates a field in which each vertex has its own mask; `None` for vertices without faces.
-    pub(super) fn of_masks(around: &'a RefinedNet, rings: RingCount, masks: Vec<Option<Arc<LimitMask>>>) -> Self {
+    pub(super) fn of_masks(
+        around: &'a dyn Neighbourhoods,
+        rings: RingCount,
+        masks: Vec<Option<Arc<LimitMask>>>,
+    ) -> Self {
         let mut n = ISOLATED_CLASS;
         let class = |mask: &Option<Arc<LimitMask>>| {
             n += u32::from(mask.is_some());
@@ -222,7 +226,7 @@ fn weights(mask: &LimitMask, functional: Functional, sector: usize) -> &[f64] {
 /// # Errors
 /// [`Unlimited::Size`] if the disc is too large.
 pub(super) fn located(
-    around: &RefinedNet,
+    around: &dyn Neighbourhoods,
     v: u32,
     rings: RingCount,
 ) -> Result<Option<(Located, VertexParameters)>, Unlimited> {

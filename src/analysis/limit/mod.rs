@@ -28,6 +28,7 @@ mod leading;
 mod limits;
 mod mask;
 mod mesh;
+mod neighbourhoods;
 mod normals;
 mod on_net;
 mod perturbed;

@@ -18,7 +18,7 @@ use super::error::Unlimited;
 use super::field::{VertexMasks, located};
 use super::leading::starting_vectors;
 use super::mask::{Finder, LimitMask, Masks, tangential};
-use super::refined_net::RefinedNet;
+use super::neighbourhoods::Neighbourhoods;
 use super::request::LimitRequest;
 use super::vertex_parameters::{CommonParameters, VertexParameters};
 use crate::math::dense::dot;
@@ -83,7 +83,7 @@ pub(super) fn no_normals(perturbation: &Perturbation) -> Option<String> {
 /// [`Unlimited`], in particular [`Unlimited::Followed`] for too many points around all vertices and [`Unlimited::Wild`]
 /// for perturbations that do not fade.
 pub(super) fn field<'a>(
-    around: &'a RefinedNet,
+    around: &'a dyn Neighbourhoods,
     rings: RingCount,
     finder: &Finder<'_>,
     perturbation: Perturbation,
@@ -110,7 +110,7 @@ pub(super) fn field<'a>(
 ///
 /// # Errors
 /// [`Unlimited::Followed`], and [`Unlimited::Size`] if a single disc is too large.
-fn check_size(around: &RefinedNet, rings: RingCount, watch: &Watch) -> Result<(), Unlimited> {
+fn check_size(around: &dyn Neighbourhoods, rings: RingCount, watch: &Watch) -> Result<(), Unlimited> {
     let all: Vec<Centre> = (0..around.n_vertices()).filter_map(|v| around.centre(v)).collect();
     let mut points = 0;
     for chunk in all.chunks(SURROUNDINGS_PER_CHUNK) {

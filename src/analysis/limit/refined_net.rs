@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::disc::{Centre, Disc, Located, RingCount};
 use super::grid::grid;
+use super::neighbourhoods::Neighbourhoods;
 use super::vertex_parameters::VertexParameters;
 use super::walk::WholeNet;
 use crate::math::rows::Rows;
@@ -16,12 +17,7 @@ use crate::shape::numbering::Numbering;
 use crate::shape::topology::{Topology, index};
 use crate::watch::{Stopped, Watch};
 
-/// A net whose vertices and points are in the order of construction, with the neighbourhoods of its vertices that
-/// limits need.
-///
-/// Limits are computed for vertices, as weighted means of points. If steps before the next upsampling put faces in the
-/// place of vertices, points are numbered after these steps, and [`centre`](Self::centre) returns what took the place
-/// of a vertex. Discs with the same connectivity and tags are equal, whatever the numbers of their points.
+/// A net whose vertices and points are in the order of construction.
 #[derive(Debug)]
 pub(super) struct RefinedNet {
     net: MeshNet,
@@ -50,53 +46,42 @@ impl RefinedNet {
     fn whole(&self) -> WholeNet<'_> {
         WholeNet { surroundings: self.surroundings, ..WholeNet::of(&self.net, &self.topology) }
     }
+}
 
-    /// Returns the number of vertices.
-    pub(super) fn n_vertices(&self) -> usize {
+impl Neighbourhoods for RefinedNet {
+    fn n_vertices(&self) -> usize {
         self.centres.as_ref().map_or(self.n_points(), Vec::len)
     }
 
-    /// Returns the number of points.
-    pub(super) fn n_points(&self) -> usize {
+    fn n_points(&self) -> usize {
         self.topology.n_vertices()
     }
 
-    /// Returns what took the place of a vertex, in numbers of points; `None` for a vertex without faces.
-    pub(super) fn centre(&self, v: usize) -> Option<Centre> {
+    fn centre(&self, v: usize) -> Option<Centre> {
         match &self.centres {
             Some(centres) => centres[v],
             None => (!self.topology.is_isolated(v)).then(|| Centre::Vertex(index(v))),
         }
     }
 
-    /// Returns whether vertices without faces are not among the points.
-    pub(super) fn leaves_out(&self) -> bool {
+    fn leaves_out(&self) -> bool {
         self.centres.is_some()
     }
 
-    /// Returns the rings around a centre with their tags and sharpness, and the point number of each of their vertices;
-    /// `None` if the disc is too large.
-    pub(super) fn disc(&self, centre: Centre, rings: RingCount) -> Option<Located> {
+    fn disc(&self, centre: Centre, rings: RingCount) -> Option<Located> {
         self.whole().disc(centre, rings)
     }
 
-    /// Returns the parameters that these points carry.
-    pub(super) fn parameters(&self, points: &[u32]) -> VertexParameters {
+    fn parameters(&self, points: &[u32]) -> VertexParameters {
         VertexParameters::of(&self.net, points)
     }
 
-    /// Returns the numbers that select the perturbations of the vertices, edges and faces of a disc.
-    pub(super) fn numbering(&self, found: &Located) -> Numbering {
+    fn numbering(&self, found: &Located) -> Numbering {
         let whole = self.numbering.get_or_init(|| Numbering::of(&self.topology));
         whole.of_submesh(&self.topology, &found.vertices, &found.half_edges)
     }
 
-    /// Returns the least disc around the first face of each number of sides except `but`, over all starts of its
-    /// numbering; too large discs are left out. Returns none if points or edges carry data of their own.
-    ///
-    /// # Errors
-    /// [`Stopped`].
-    pub(super) fn middles(&self, but: usize, rings: RingCount, watch: &Watch) -> Result<Vec<Disc>, Stopped> {
+    fn middles(&self, but: usize, rings: RingCount, watch: &Watch) -> Result<Vec<Disc>, Stopped> {
         let mut seen = BTreeSet::from([but]);
         let first = |f: &usize| !carries(&self.net) && seen.insert(self.topology.face(*f).len());
         let least = |f: usize| self.whole().least_disc(Centre::Face(index(f)), rings, watch);
@@ -104,15 +89,11 @@ impl RefinedNet {
         Ok(found.into_iter().flatten().map(|found| found.disc).collect())
     }
 
-    /// Returns for each point whether the rings around it contain anything that is not part of a grid of smooth quads,
-    /// or that carries data of its own.
-    pub(super) fn near_extraordinary(&self, rings: RingCount) -> Vec<bool> {
+    fn near_extraordinary(&self, rings: RingCount) -> Vec<bool> {
         if carries(&self.net) { vec![true; self.n_points()] } else { near_extraordinary(&self.whole(), rings) }
     }
 
-    /// Adds these weights of the points within some rings of a point on a grid of quads, in the order of
-    /// [`grid`].
-    pub(super) fn add_on_grid(&self, point: u32, rings: usize, weights: &[f64], out: &mut Rows) {
+    fn add_on_grid(&self, point: u32, rings: usize, weights: &[f64], out: &mut Rows) {
         let mut weights = weights.iter();
         grid(&self.topology, point as usize, rings, |u| weights.next().into_iter().for_each(|&w| out.add(u, w)));
     }

@@ -46,8 +46,11 @@ impl LevelFace {
     }
 }
 
-/// The jets at some places, by the numbers of the places.
-type FoundJets = Vec<(u32, Jet)>;
+/// The outcome of a cell.
+enum CellOutcome {
+    Found(Vec<(u32, Jet)>),
+    Split(LevelFace),
+}
 
 /// Returns the limit surface of a mesh at some places, in order, under a plan whose regular pieces are bicubic.
 ///
@@ -72,8 +75,8 @@ pub fn evaluate(mesh: &Mesh, plan: &Plan, places: &[Place], watch: &Watch) -> Re
         let mut split = Vec::new();
         for outcome in outcomes {
             match outcome? {
-                Ok(jets) => jets.into_iter().for_each(|(i, jet)| found[i as usize] = Some(jet)),
-                Err(cell) => split.push(cell),
+                CellOutcome::Found(jets) => jets.into_iter().for_each(|(i, jet)| found[i as usize] = Some(jet)),
+                CellOutcome::Split(cell) => split.push(cell),
             }
         }
         let others = joining.take().unwrap_or_default();
@@ -109,16 +112,16 @@ fn first(mesh: &Mesh, places: &[Place]) -> (Vec<LevelFace>, Vec<SplitFace>) {
 }
 
 impl Level {
-    /// Evaluates a face that is bicubic or has a single extraordinary vertex; returns other faces as they are.
-    fn looked_at(&self, cell: LevelFace, refiner: &Refiner<'_>) -> Result<Result<FoundJets, LevelFace>, SolidError> {
+    /// Evaluates a face that is bicubic or has a single extraordinary vertex.
+    fn looked_at(&self, cell: LevelFace, refiner: &Refiner<'_>) -> Result<CellOutcome, SolidError> {
         if self.is_leaf(cell.face) {
             let net = self.net(self.topology.half_edges(cell.face as usize).start);
             let value = |query: &Query| (query.number, Jet::of(&net, cell.scale, query.uv));
-            return Ok(Ok(cell.queries.iter().map(value).collect()));
+            return Ok(CellOutcome::Found(cell.queries.iter().map(value).collect()));
         }
         match self.lone_extraordinary(cell.face) {
-            Some(half_edge) => isolated(self, half_edge, cell.scale, cell.queries, refiner).map(Ok),
-            None => Ok(Err(cell)),
+            Some(half_edge) => isolated(self, half_edge, cell.scale, cell.queries, refiner).map(CellOutcome::Found),
+            None => Ok(CellOutcome::Split(cell)),
         }
     }
 
