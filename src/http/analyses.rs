@@ -6,7 +6,7 @@ use std::sync::Arc;
 use axum::body::Body;
 use axum::extract::State;
 use axum::http::HeaderMap;
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 
 use super::answer::{self, Artifact, Lost};
 use super::app::{App, SharedApp};
@@ -50,20 +50,21 @@ const ANALYSIS_ANSWER_BYTES: u128 = 4 << 20;
         (status = 304, description = "The client has the answer already (`If-None-Match`)"),
     )
 )]
-pub(super) async fn analyse(State(app): State<SharedApp>, client: Client, headers: HeaderMap, body: Body) -> Response {
-    respond(&app, &client, &headers, body).await.unwrap_or_else(IntoResponse::into_response)
-}
-
-async fn respond(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
-    let sent = body::collect(app, client, headers, AcceptedBodies::Jobs, body).await?;
+pub(super) async fn analyse(
+    State(app): State<SharedApp>,
+    client: Client,
+    headers: HeaderMap,
+    body: Body,
+) -> Result<Response, Problem> {
+    let sent = body::collect(&app, &client, &headers, AcceptedBodies::Jobs, body).await?;
     let bytes = reading_memory(sent.bytes.len() as u64);
-    let form = negotiate::form(headers)?;
+    let form = negotiate::form(&headers)?;
     let analysis = app.desk.read(client.peer(), bytes, move |watch| {
         let request: AnalysisRequest = read(&sent.bytes)?;
         request.resolve(form, watch).map_err(Problem::invalid)
     });
     let task = Arc::new(AnalysisTask(analysis.await??, form));
-    made(app, client, headers, task, form.extension()).await
+    made(&app, &client, &headers, task, form.extension()).await
 }
 
 /// Answers with the result of a task, found in the cache or computed now; `extension` completes the address of the

@@ -21,8 +21,7 @@ use super::segment::PathSegment;
 use super::zip::Zip;
 use crate::job::key::{Key, content};
 use crate::service::job_key::Tenant;
-use crate::service::peer::{Paid, Peer, QuotaKind};
-use crate::service::pool::{Lack, Lane};
+use crate::service::peer::{Paid, Peer};
 use crate::service::store::Manifest;
 use crate::wire::archive::{ArchiveContents, contents};
 
@@ -52,20 +51,15 @@ pub(super) async fn archive(
     client: Client,
     PathSegment(id): PathSegment,
     headers: HeaderMap,
-) -> Response {
-    respond(&app, &client, &id, &headers).unwrap_or_else(IntoResponse::into_response)
-}
-
-fn respond(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> Result<Response, Problem> {
+) -> Result<Response, Problem> {
     let peer = client.peer();
-    let standing = client.named(id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown)?;
+    let standing = client.named(&id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown)?;
     if !standing.phase.is_settled() {
         return Err(Problem::unfinished());
     }
-    let (desk, request) = (&app.desk, &standing.batch.request);
+    let request = &standing.batch.request;
     let bytes = request.text.len() as u64 + FILE_BYTES * (request.n() as u64 + 2 * request.n_outputs);
-    let busy = |_| desk.pool.busy(Lane::Reading, Lack::Answers);
-    let paid = desk.peers.charge(&desk.account.answers, QuotaKind::AnswerBytes, peer, bytes).map_err(busy)?;
+    let paid = app.desk.charge_answer(peer, bytes)?;
     let ArchiveContents { manifest, files } = contents(&standing.batch);
     let key = content(&manifest);
     let mut head = HeaderMap::new();
@@ -78,7 +72,7 @@ fn respond(app: &Arc<App>, client: &Client, id: &str, headers: &HeaderMap) -> Re
     ] {
         head.extend(HeaderValue::try_from(value).map(|value| (name, value)));
     }
-    if negotiate::has_kept(headers, &key).is_some() {
+    if negotiate::has_kept(&headers, &key).is_some() {
         head.remove(header::CONTENT_TYPE);
         return Ok((StatusCode::NOT_MODIFIED, head).into_response());
     }

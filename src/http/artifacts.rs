@@ -49,14 +49,10 @@ pub(super) async fn artifact(
     PathSegment(file): PathSegment,
     method: Method,
     mut headers: HeaderMap,
-) -> Response {
+) -> Result<Response, Problem> {
     if method == Method::HEAD {
         headers.remove(header::RANGE); // ranges are for GET alone (RFC 9110, 14.2)
     }
-    respond(&app, &client, &file, &headers).await.unwrap_or_else(IntoResponse::into_response)
-}
-
-async fn respond(app: &Arc<App>, client: &Client, file: &str, headers: &HeaderMap) -> Result<Response, Problem> {
     let unknown = || {
         let detail =
             "there is no artifact of this name; an address is /v1/artifacts/{64 hexadecimal digits}.{extension}";
@@ -66,13 +62,13 @@ async fn respond(app: &Arc<App>, client: &Client, file: &str, headers: &HeaderMa
     let key = Key::parse(id).ok_or_else(unknown)?;
     if let Some(manifest) = app.desk.find_artifact(key, client.peer()).await {
         // a damaged artifact has been dropped from the store, and is computed again if its job is known
-        match respond_with(app, &key, extension, headers, Artifact::kept(manifest, client.peer())).await? {
+        match respond_with(&app, &key, extension, &headers, Artifact::kept(manifest, client.peer())).await? {
             Err(Lost::Gone) => {}
             answered => return Ok(answered?),
         }
     }
-    let found = made_again(app, client.peer(), client.tenant(), &key).await?;
-    Ok(respond_with(app, &key, extension, headers, found).await??)
+    let found = made_again(&app, client.peer(), client.tenant(), &key).await?;
+    Ok(respond_with(&app, &key, extension, &headers, found).await??)
 }
 
 /// Returns the answer about an artifact that was found.

@@ -22,8 +22,7 @@ use crate::service::batches::BatchStanding;
 use crate::service::job_key::{JobKey, Priority};
 use crate::service::jobs::JobPhase;
 use crate::service::lent::Lent;
-use crate::service::peer::{Peer, QuotaKind};
-use crate::service::pool::{Lack, Lane};
+use crate::service::peer::Peer;
 use crate::wire::batch::BatchRequest;
 use crate::wire::batch_standing::{BatchAnswer, BatchProgress, BatchesAnswer};
 
@@ -58,33 +57,26 @@ pub(super) async fn post_batch(
     headers: HeaderMap,
     RawQuery(query): RawQuery,
     body: Body,
-) -> Response {
-    let answer = async {
-        let sent = body::collect(&app, &client, &headers, AcceptedBodies::Jobs, body).await?;
-        let terms = posting::terms(query.as_deref().unwrap_or_default(), Priority::Batch).map_err(Problem::invalid)?;
-        let (id, layout) = batch_checks::read(&app, client.peer(), &sent).await?;
-        let batch = JobKey { tenant: client.tenant(), id };
-        if app.desk.batches.join(&batch) {
-            app.desk.batches.written(batch).await.map_err(NotAccepted::from)?;
-        } else {
-            let request = batch_checks::checked(&app, &client, &sent, layout).await?;
-            app.desk.accept_batch(batch, request, terms, client.peer()).await?;
-        }
-        let (patience, said) = negotiate::patience(&headers);
-        if said && !patience.is_zero() {
-            let ended = app.desk.batches.get(&batch).map(|batch| batch.ended.subscribe());
-            posting::wait(ended, patience).await;
-        }
-        let standing = app.desk.batch_standing(&batch).ok_or_else(unknown)?;
-        let status = if standing.phase.is_settled() { StatusCode::OK } else { StatusCode::ACCEPTED };
-        let response = state_response(&app, client.peer(), status, &standing)?;
-        Ok::<_, Problem>(jobs::with_location(
-            response,
-            &format!("/v1/batches/{id}"),
-            said.then_some(patience.as_secs()),
-        ))
-    };
-    answer.await.into_response()
+) -> Result<Response, Problem> {
+    let sent = body::collect(&app, &client, &headers, AcceptedBodies::Jobs, body).await?;
+    let terms = posting::terms(query.as_deref().unwrap_or_default(), Priority::Batch).map_err(Problem::invalid)?;
+    let (id, layout) = batch_checks::read(&app, client.peer(), &sent).await?;
+    let batch = JobKey { tenant: client.tenant(), id };
+    if app.desk.batches.join(&batch) {
+        app.desk.batches.written(batch).await.map_err(NotAccepted::from)?;
+    } else {
+        let request = batch_checks::checked(&app, &client, &sent, layout).await?;
+        app.desk.accept_batch(batch, request, terms, client.peer()).await?;
+    }
+    let (patience, said) = negotiate::patience(&headers);
+    if said && !patience.is_zero() {
+        let ended = app.desk.batches.get(&batch).map(|batch| batch.ended.subscribe());
+        posting::wait(ended, patience).await;
+    }
+    let standing = app.desk.batch_standing(&batch).ok_or_else(unknown)?;
+    let status = if standing.phase.is_settled() { StatusCode::OK } else { StatusCode::ACCEPTED };
+    let response = state_response(&app, client.peer(), status, &standing)?;
+    Ok(jobs::with_location(response, &format!("/v1/batches/{id}"), said.then_some(patience.as_secs())))
 }
 
 /// How a batch stands: counts, and each of its jobs with state, cache and outputs.
@@ -96,9 +88,13 @@ pub(super) async fn post_batch(
         (status = 200, description = "How it stands", body = BatchAnswer),
     )
 )]
-pub(super) async fn batch(State(app): State<SharedApp>, client: Client, PathSegment(id): PathSegment) -> Response {
-    let standing = client.named(&id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown);
-    standing.and_then(|standing| state_response(&app, client.peer(), StatusCode::OK, &standing)).into_response()
+pub(super) async fn batch(
+    State(app): State<SharedApp>,
+    client: Client,
+    PathSegment(id): PathSegment,
+) -> Result<Response, Problem> {
+    let standing = client.named(&id).and_then(|batch| app.desk.batch_standing(&batch)).ok_or_else(unknown)?;
+    state_response(&app, client.peer(), StatusCode::OK, &standing)
 }
 
 /// Batches, the newest first, by pages, without their jobs.
@@ -113,16 +109,17 @@ pub(super) async fn batch(State(app): State<SharedApp>, client: Client, PathSegm
         (status = 200, description = "A page of them", body = BatchesAnswer, example = json!({ "batches": [] })),
     )
 )]
-pub(super) async fn list_batches(State(app): State<SharedApp>, client: Client, RawQuery(query): RawQuery) -> Response {
-    let page = match jobs::page(query.as_deref().unwrap_or_default()) {
-        Ok(page) => page,
-        Err(fault) => return Problem::invalid(vec![fault]).into_response(),
-    };
-    let (batches, is_more) = app.desk.batches.page(client.tenant(), page.0, page.1);
+pub(super) async fn list_batches(
+    State(app): State<SharedApp>,
+    client: Client,
+    RawQuery(query): RawQuery,
+) -> Result<Response, Problem> {
+    let (before, limit) = jobs::page(query.as_deref().unwrap_or_default())?;
+    let (batches, is_more) = app.desk.batches.page(client.tenant(), before, limit);
     let next = batches.last().filter(|_| is_more).map(|batch| batch.number.to_string());
     let brief = |batch| BatchAnswer::brief(&app.desk.standing_of_batch(batch));
     let batches = batches.into_iter().map(brief).collect();
-    ([(header::CACHE_CONTROL, "no-cache")], axum::Json(BatchesAnswer { batches, next })).into_response()
+    Ok(([(header::CACHE_CONTROL, "no-cache")], axum::Json(BatchesAnswer { batches, next })).into_response())
 }
 
 /// Cancels a batch: its jobs that nobody else wants are cancelled, and what is done stays. The batch stays known;
@@ -140,14 +137,12 @@ pub(super) async fn cancel_batch(
     State(app): State<SharedApp>,
     client: Client,
     PathSegment(id): PathSegment,
-) -> Response {
-    let Some(batch) = client.named(&id) else { return unknown().into_response() };
+) -> Result<Response, Problem> {
+    let batch = client.named(&id).ok_or_else(unknown)?;
     let status = if app.desk.cancel_batch(&batch) { StatusCode::ACCEPTED } else { StatusCode::OK };
-    if let Err(error) = app.desk.batch_written(&batch).await {
-        return Problem::from(error).into_response();
-    }
-    let standing = app.desk.batch_standing(&batch).ok_or_else(unknown);
-    standing.and_then(|standing| state_response(&app, client.peer(), status, &standing)).into_response()
+    app.desk.batch_written(&batch).await?;
+    let standing = app.desk.batch_standing(&batch).ok_or_else(unknown)?;
+    state_response(&app, client.peer(), status, &standing)
 }
 
 /// Forgets a batch; when it is still under way it is cancelled. Its results and the jobs that are done stay.
@@ -163,12 +158,10 @@ pub(super) async fn forget_batch(
     State(app): State<SharedApp>,
     client: Client,
     PathSegment(id): PathSegment,
-) -> Response {
-    if let Some(batch) = client.named(&id).filter(|batch| app.desk.forget_batch(batch)) {
-        let written = app.desk.batch_written(&batch).await.map_err(Problem::from);
-        return written.map(|()| StatusCode::NO_CONTENT).into_response();
-    }
-    unknown().into_response()
+) -> Result<StatusCode, Problem> {
+    let batch = client.named(&id).filter(|batch| app.desk.forget_batch(batch)).ok_or_else(unknown)?;
+    app.desk.batch_written(&batch).await?;
+    Ok(StatusCode::NO_CONTENT)
 }
 
 /// What happens to a batch, as it happens: the events, numbers and heartbeat of /v1/jobs/{id}/events, with `progress`
@@ -192,9 +185,9 @@ pub(super) async fn batch_events(
     client: Client,
     PathSegment(id): PathSegment,
     headers: HeaderMap,
-) -> Response {
-    let found = client.named(&id).and_then(|batch| Some((batch, app.desk.batch_standing(&batch)?)));
-    let Some((batch, standing)) = found else { return unknown().into_response() };
+) -> Result<Response, Problem> {
+    let batch = client.named(&id).ok_or_else(unknown)?;
+    let standing = app.desk.batch_standing(&batch).ok_or_else(unknown)?;
     let ended = standing.batch.ended.subscribe();
     let look: feed::StateLookup = Box::new(move |app| Some(Box::new(app.desk.batch_standing(&batch)?)));
     feed::stream(&app, (&client, &headers), Box::new(standing), ended, look)
@@ -238,9 +231,7 @@ fn state_response(
     standing: &BatchStanding,
 ) -> Result<Response, Problem> {
     let text = Bytes::from(json!(answer(standing)).to_string());
-    let (desk, busy) = (&app.desk, |_| app.desk.pool.busy(Lane::Reading, Lack::Answers));
-    let paid =
-        desk.peers.charge(&desk.account.answers, QuotaKind::AnswerBytes, peer, text.len() as u64).map_err(busy)?;
+    let paid = app.desk.charge_answer(peer, text.len() as u64)?;
     let kind = [(header::CONTENT_TYPE, "application/json"), (header::CACHE_CONTROL, "no-cache")];
     let mut response = (status, kind, Body::from(Lent::new(text, paid))).into_response();
     if !standing.phase.is_settled() {

@@ -20,8 +20,8 @@ use crate::fault::{Fault, shortened};
 use crate::input::{Alone, READERS};
 use crate::job::key::Key;
 use crate::service::computation::Failure;
-use crate::service::peer::{Paid, Peer, QuotaKind};
-use crate::service::pool::{Lack, Lane};
+use crate::service::peer::{Paid, Peer};
+use crate::service::pool::Busy;
 use crate::service::read_lane::ReadRefusal;
 use crate::service::store::{Manifest, PART_BYTES, StoreError};
 use crate::service::uploads::{Unknown, Upload};
@@ -86,14 +86,11 @@ pub(super) async fn blob(
     PathSegment(id): PathSegment,
     method: Method,
     headers: HeaderMap,
-) -> Response {
+) -> Result<Response, Problem> {
     let unknown = || Problem::new(problem::NOT_FOUND, "there is no upload of this id; send the file to /v1/blobs");
-    let Some(key) = parse(&id) else { return unknown().into_response() };
-    let manifest = match app.desk.uploads.find(&key, client.tenant()).await {
-        Ok(Some(manifest)) => manifest,
-        Ok(None) => return unknown().into_response(),
-        Err(Unknown) => return Problem::away().into_response(),
-    };
+    let key = parse(&id).ok_or_else(unknown)?;
+    let found = app.desk.uploads.find(&key, client.tenant()).await.map_err(|Unknown| Problem::away())?;
+    let manifest = found.ok_or_else(unknown)?;
     let mut head = HeaderMap::new();
     let etag = format!("\"{id}\"");
     for (name, value) in [
@@ -105,24 +102,21 @@ pub(super) async fn blob(
         head.extend(HeaderValue::try_from(value).map(|value| (name, value)));
     }
     if has_tag(&headers, &etag) {
-        return (StatusCode::NOT_MODIFIED, head).into_response();
+        return Ok((StatusCode::NOT_MODIFIED, head).into_response());
     }
     head.extend(HeaderValue::try_from(&manifest.media_type).map(|value| (header::CONTENT_TYPE, value)));
     head.insert(header::CONTENT_LENGTH, manifest.length.into());
     if method == Method::HEAD {
-        return (head, Body::empty()).into_response();
+        return Ok((head, Body::empty()).into_response());
     }
-    match parts(&app, client.peer(), manifest) {
-        Some(body) => (head, body).into_response(),
-        None => Problem::from(app.desk.pool.busy(Lane::Reading, Lack::Answers)).into_response(),
-    }
+    Ok((head, parts(&app, client.peer(), manifest)?).into_response())
 }
 
 /// Streams the parts of an upload; two parts are charged for the whole answer.
-fn parts(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Option<Body> {
+fn parts(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Result<Body, Busy> {
     let desk = &app.desk;
     let part = manifest.length.min(PART_BYTES as u64);
-    let paid: Paid = desk.peers.charge(&desk.account.answers, QuotaKind::AnswerBytes, peer, 2 * part).ok()?;
+    let paid = desk.charge_answer(peer, 2 * part)?;
     let pin = desk.uploads.pin(&manifest.key);
     let next = (app.clone(), manifest, 0, (paid, pin));
     let parts = stream::unfold(next, |(app, manifest, at, held)| async move {
@@ -133,7 +127,7 @@ fn parts(app: &Arc<App>, peer: Peer, manifest: Arc<Manifest>) -> Option<Body> {
         let part = app.desk.uploads.part(&manifest, at).await.ok_or(std::io::ErrorKind::InvalidData);
         Some((part.map_err(std::io::Error::from), (app, manifest, at + 1, held)))
     });
-    Some(Body::from_stream(parts))
+    Ok(Body::from_stream(parts))
 }
 
 /// Stores the file in a body.
@@ -153,9 +147,7 @@ async fn kept(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: &mut B
     }
     let (desk, peer) = (&app.desk, client.peer());
     // one piece that arrives, and one that is being written
-    let busy = |_| desk.pool.busy(Lane::Reading, Lack::Bodies);
-    let _paid =
-        desk.peers.charge(&desk.account.bodies, QuotaKind::BodyBytes, peer, 2 * WRITE_BYTES as u64).map_err(busy)?;
+    let _paid = desk.charge_body(peer, 2 * WRITE_BYTES as u64)?;
     let mut arriving = Arriving::new(app, body, limit);
     let (mut piece, mut upload, mut media_type) = (Vec::with_capacity(WRITE_BYTES), None, None);
     loop {
@@ -305,8 +297,7 @@ pub(super) async fn loaded(
     if manifest.length > limit {
         return Err(too_long(manifest.length, limit));
     }
-    let (desk, busy) = (&app.desk, |_| app.desk.pool.busy(Lane::Reading, Lack::Bodies));
-    let paid = desk.peers.charge(&desk.account.bodies, QuotaKind::BodyBytes, peer, manifest.length).map_err(busy)?;
-    let bytes = desk.uploads.whole(&manifest).await.ok_or_else(missing)?;
+    let paid = app.desk.charge_body(peer, manifest.length)?;
+    let bytes = app.desk.uploads.whole(&manifest).await.ok_or_else(missing)?;
     Ok((id, manifest, bytes, paid))
 }

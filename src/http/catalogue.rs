@@ -2,7 +2,6 @@
 
 use axum::Json;
 use axum::extract::State;
-use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -29,11 +28,11 @@ pub(super) async fn presets() -> Json<Vec<PresetEntry>> {
     params(("name" = String, Path, description = "Name of the preset", example = json!(catalogue::presets()[0].name))),
     responses((status = 200, description = "The preset", body = PresetEntry))
 )]
-pub(super) async fn preset(PathSegment(name): PathSegment) -> Response {
+pub(super) async fn preset(PathSegment(name): PathSegment) -> Result<Json<PresetEntry>, Problem> {
     let presets = catalogue::presets();
     let meant = did_you_mean(&name, presets.iter().map(|preset| preset.name));
     let found = presets.into_iter().find(|preset| preset.name == name);
-    found.map(Json).ok_or_else(|| unknown("preset", &name, &meant, "/v1/presets")).into_response()
+    found.map(Json).ok_or_else(|| unknown("preset", &name, &meant, "/v1/presets"))
 }
 
 /// All operators.
@@ -52,9 +51,9 @@ pub(super) async fn operators() -> Json<Vec<OperatorEntry>> {
     params(("letter" = String, Path, description = "Letter of the operator", example = "U")),
     responses((status = 200, description = "The operator", body = OperatorEntry))
 )]
-pub(super) async fn operator(PathSegment(letter): PathSegment) -> Response {
+pub(super) async fn operator(PathSegment(letter): PathSegment) -> Result<Json<OperatorEntry>, Problem> {
     let found = catalogue::operators().into_iter().find(|operator| letter == operator.letter.to_string());
-    found.map(Json).ok_or_else(|| unknown("operator", &letter, "", "/v1/operators")).into_response()
+    found.map(Json).ok_or_else(|| unknown("operator", &letter, "", "/v1/operators"))
 }
 
 /// All formats.

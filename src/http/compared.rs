@@ -17,8 +17,7 @@ use crate::input::Alone;
 use crate::job::key::Key;
 use crate::job::{PngFile, Side};
 use crate::service::computation::Phase;
-use crate::service::peer::{Paid, Peer, QuotaKind};
-use crate::service::pool::{Lack, Lane};
+use crate::service::peer::{Paid, Peer};
 use crate::service::store::Manifest;
 use crate::service::task::Render;
 use crate::wire::JobRequest;
@@ -98,19 +97,12 @@ async fn whole(app: &Arc<App>, peer: Peer, manifest: &Arc<Manifest>) -> Result<(
     if manifest.length > limit {
         return Err(too_long(manifest.length, limit));
     }
-    let paid = charged(app, peer, manifest.length)?;
+    let paid = app.desk.charge_body(peer, manifest.length)?;
     let mut bytes = Vec::with_capacity(usize::try_from(manifest.length).unwrap_or_default());
     for part in 0..manifest.parts.len() {
         bytes.extend_from_slice(&app.desk.tiers.part(manifest, part).await.ok_or_else(lost)?);
     }
     Ok((bytes, paid))
-}
-
-/// Charges memory for bytes to a peer.
-fn charged(app: &Arc<App>, peer: Peer, bytes: u64) -> Result<Paid, Problem> {
-    let desk = &app.desk;
-    let paid = desk.peers.charge(&desk.account.bodies, QuotaKind::BodyBytes, peer, bytes);
-    paid.map_err(|_| desk.pool.busy(Lane::Reading, Lack::Bodies).into())
 }
 
 /// Reads a picture, which `is_own` if this service drew it, or a mesh file unrefined.
@@ -163,7 +155,7 @@ async fn of_job(app: &Arc<App>, peer: Peer, job: &Value) -> Result<FoundSide, Pr
     match interest.computation.finished().await {
         Phase::Done(outcome) => {
             let (bytes, paid) = match &outcome.loose {
-                Some(bytes) => (bytes.to_vec(), charged(app, peer, bytes.len() as u64)?),
+                Some(bytes) => (bytes.to_vec(), app.desk.charge_body(peer, bytes.len() as u64)?),
                 None => whole(app, peer, &outcome.manifest).await?,
             };
             picture(bytes, paid, true).map_err(|detail| Problem::invalid(vec![Fault::new("", detail)]))

@@ -44,12 +44,13 @@ const PICTURE_BYTES: [u128; 2] = [4, 64 << 10];
         (status = 200, description = "What differs", body = ComparisonAnswer),
     )
 )]
-pub(super) async fn compare(State(app): State<SharedApp>, client: Client, headers: HeaderMap, body: Body) -> Response {
-    respond(&app, &client, &headers, body).await.unwrap_or_else(IntoResponse::into_response)
-}
-
-async fn respond(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
-    let sent = body::collect(app, client, headers, AcceptedBodies::Jobs, body).await?;
+pub(super) async fn compare(
+    State(app): State<SharedApp>,
+    client: Client,
+    headers: HeaderMap,
+    body: Body,
+) -> Result<Response, Problem> {
+    let sent = body::collect(&app, &client, &headers, AcceptedBodies::Jobs, body).await?;
     let (bytes, peer) = (reading_memory(sent.bytes.len() as u64), client.peer());
     let (request, tolerances) = app
         .desk
@@ -59,8 +60,8 @@ async fn respond(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bod
             Ok::<_, Problem>((request, tolerances))
         })
         .await??;
-    let a = compared::side(app, peer, "/a", &request.a).await?;
-    let b = compared::side(app, peer, "/b", &request.b).await?;
+    let a = compared::side(&app, peer, "/a", &request.a).await?;
+    let b = compared::side(&app, peer, "/b", &request.b).await?;
     let (sides, paid) = ([a.side, b.side], [a.paid, b.paid]);
     let comparison = Arc::new(Comparison::new(sides, tolerances).map_err(Problem::invalid)?);
     if !request.outputs.is_empty() && !comparison.has_picture() {
@@ -69,12 +70,12 @@ async fn respond(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bod
     }
     let paid = Arc::new(paid);
     let task = |what| ComparisonTask { comparison: comparison.clone(), what, _paid: paid.clone() };
-    let (answer, is_hit) = made(app, peer, task(ComparisonProduct::Answer)).await?;
+    let (answer, is_hit) = made(&app, peer, task(ComparisonProduct::Answer)).await?;
     let mut answer: serde_json::Map<_, _> = serde_json::from_slice(&answer).map_err(|_| compared::lost())?;
     if !request.outputs.is_empty() {
         let picture = task(ComparisonProduct::Picture);
         let id = picture.key().to_string();
-        made(app, peer, picture).await?;
+        made(&app, peer, picture).await?;
         let href = of_extension(&id, "png");
         let outputs = vec![DifferenceAnswer { format: "png", id, href }];
         answer.insert("outputs".to_owned(), serde_json::to_value(outputs).map_err(|_| compared::lost())?);

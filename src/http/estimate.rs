@@ -1,10 +1,10 @@
 //! POST /v1/estimate: exact counts, bytes (exact or an upper bound), predicted cost, and the key; computes nothing but
 //! the search for the level of a tolerance.
 
+use axum::Json;
 use axum::body::Body;
 use axum::extract::{RawQuery, State};
 use axum::http::HeaderMap;
-use axum::response::{IntoResponse, Response};
 
 use super::app::SharedApp;
 use super::client::Client;
@@ -31,15 +31,11 @@ pub(super) async fn estimate(
     headers: HeaderMap,
     RawQuery(query): RawQuery,
     body: Body,
-) -> Response {
-    let answer = async {
-        let sent = body::collect(&app, &client, &headers, AcceptedBodies::Jobs, body).await?;
-        refuse_parameters(query.as_deref().unwrap_or_default(), &[]).map_err(Problem::invalid)?;
-        let read = reading::job(&app, client.peer(), sent, usize::MAX, |request| {
-            negotiate::settle(&HeaderMap::new(), request)
-        });
-        let admitted = reading::admit(&app, client.peer(), read.await?.job).await?;
-        Ok::<_, Problem>(axum::Json(EstimateAnswer::new(admitted.job(), admitted.estimate())))
-    };
-    answer.await.into_response()
+) -> Result<Json<EstimateAnswer>, Problem> {
+    let sent = body::collect(&app, &client, &headers, AcceptedBodies::Jobs, body).await?;
+    refuse_parameters(query.as_deref().unwrap_or_default(), &[]).map_err(Problem::invalid)?;
+    let read =
+        reading::job(&app, client.peer(), sent, usize::MAX, |request| negotiate::settle(&HeaderMap::new(), request));
+    let admitted = reading::admit(&app, client.peer(), read.await?.job).await?;
+    Ok(Json(EstimateAnswer::new(admitted.job(), admitted.estimate())))
 }

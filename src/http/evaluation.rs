@@ -6,10 +6,10 @@ use std::sync::Arc;
 use axum::body::Body;
 use axum::extract::State;
 use axum::http::HeaderMap;
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 
 use super::analyses::made;
-use super::app::{App, SharedApp};
+use super::app::SharedApp;
 use super::body::Sent;
 use super::client::Client;
 use super::content::AcceptedBodies;
@@ -41,12 +41,13 @@ use crate::wire::read::{read, reading_memory};
         (status = 304, description = "The client has the answer already (`If-None-Match`)"),
     )
 )]
-pub(super) async fn evaluate(State(app): State<SharedApp>, client: Client, headers: HeaderMap, body: Body) -> Response {
-    respond(&app, &client, &headers, body).await.unwrap_or_else(IntoResponse::into_response)
-}
-
-async fn respond(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Body) -> Result<Response, Problem> {
-    let sent = body::collect(app, client, headers, AcceptedBodies::Jobs, body).await?;
+pub(super) async fn evaluate(
+    State(app): State<SharedApp>,
+    client: Client,
+    headers: HeaderMap,
+    body: Body,
+) -> Result<Response, Problem> {
+    let sent = body::collect(&app, &client, &headers, AcceptedBodies::Jobs, body).await?;
     let (bytes, peer) = (reading_memory(sent.bytes.len() as u64), client.peer());
     // the body stays charged while its places are in memory
     let text = sent.bytes.clone();
@@ -57,8 +58,8 @@ async fn respond(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bod
         Ok::<_, Problem>((at, request.closest, values, job))
     });
     let (at, closest, values, job) = request.await??;
-    let ReadJob { job, input, .. } = reading::job(app, peer, Sent::job(job.into()), 1, |_| Ok(())).await?;
-    let admitted = reading::admit(app, peer, job).await?;
+    let ReadJob { job, input, .. } = reading::job(&app, peer, Sent::job(job.into()), 1, |_| Ok(())).await?;
+    let admitted = reading::admit(&app, peer, job).await?;
     let made_of = move |_: &Watch| Evaluation::new(admitted, at, closest, values).map_err(Problem::invalid);
     let evaluation = app.desk.read(peer, bytes, made_of).await??;
     let (needs, has) = (evaluation.bytes(), app.desk.account.long.capacity);
@@ -66,7 +67,7 @@ async fn respond(app: &Arc<App>, client: &Client, headers: &HeaderMap, body: Bod
         let needs = u64::try_from(needs).unwrap_or(u64::MAX);
         return Err(reading::too_large("the evaluation takes", needs, has));
     }
-    let answer = made(app, client, headers, Arc::new(EvaluationTask { evaluation, _input: input }), "json").await;
+    let answer = made(&app, &client, &headers, Arc::new(EvaluationTask { evaluation, _input: input }), "json").await;
     drop(sent);
     answer
 }

@@ -2,13 +2,14 @@
 
 use axum::extract::State;
 use axum::http::HeaderMap;
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 use serde_json::{Value, json};
 
 use super::app::SharedApp;
 use super::client::Client;
 use super::feed::{self, Followed};
 use super::jobs;
+use super::problem::Problem;
 use super::segment::PathSegment;
 use crate::service::jobs::{JobPhase, Standing};
 use crate::wire::standing::ProgressAnswer;
@@ -38,9 +39,9 @@ pub(super) async fn events(
     client: Client,
     PathSegment(id): PathSegment,
     headers: HeaderMap,
-) -> Response {
-    let found = client.named(&id).and_then(|job| Some((job, app.desk.standing(&job)?)));
-    let Some((job, standing)) = found else { return jobs::unknown().into_response() };
+) -> Result<Response, Problem> {
+    let job = client.named(&id).ok_or_else(jobs::unknown)?;
+    let standing = app.desk.standing(&job).ok_or_else(jobs::unknown)?;
     let ended = standing.record.ended.subscribe();
     let look: feed::StateLookup = Box::new(move |app| Some(Box::new(app.desk.standing(&job)?)));
     feed::stream(&app, (&client, &headers), Box::new(standing), ended, look)

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::body::Body;
-use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::http::{HeaderMap, HeaderName, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream;
 use serde_json::{Value, json};
@@ -50,25 +50,24 @@ pub(super) fn stream(
     now: Box<dyn Followed>,
     ended: watch::Receiver<bool>,
     look: StateLookup,
-) -> Response {
+) -> Result<Response, Problem> {
     let seen = headers.get("last-event-id").and_then(|id| id.to_str().ok()).and_then(|id| id.trim().parse().ok());
     let feed = Feed::new(seen, app.desk.clock().now());
     if feed.has_seen_the_end(&*now) {
-        return StatusCode::NO_CONTENT.into_response();
+        return Ok(StatusCode::NO_CONTENT.into_response());
     }
     let bytes = LEAST_FEED_BYTES.max(2 * now.whole().to_string().len() as u64);
     drop(now); // an interest in a computation would stay with it
-    match Listener::new(app, client, bytes, (look, feed, ended)) {
-        Some(listener) => {
-            let body = Body::from_stream(stream::unfold(listener, Listener::next));
-            let kind = [(header::CONTENT_TYPE, HeaderValue::from_static("text/event-stream"))];
-            let kept = [(header::CACHE_CONTROL, HeaderValue::from_static("no-store"))];
-            // some proxies would buffer the events
-            let unbuffered = [(HeaderName::from_static("x-accel-buffering"), HeaderValue::from_static("no"))];
-            (kind, kept, unbuffered, body).into_response()
-        }
-        None => Problem::from(app.desk.pool.busy(Lane::Long, Lack::Streams)).into_response(),
-    }
+    let listener = Listener::new(app, client, bytes, (look, feed, ended));
+    let listener = listener.ok_or_else(|| app.desk.pool.busy(Lane::Long, Lack::Streams))?;
+    let body = Body::from_stream(stream::unfold(listener, Listener::next));
+    let head = [
+        (header::CONTENT_TYPE, "text/event-stream"),
+        (header::CACHE_CONTROL, "no-store"),
+        // some proxies would buffer the events
+        (HeaderName::from_static("x-accel-buffering"), "no"),
+    ];
+    Ok((head, body).into_response())
 }
 
 /// One client that listens.

@@ -4,8 +4,6 @@ use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::State;
-use axum::http::StatusCode;
-use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -65,8 +63,8 @@ pub(super) struct ShareAnswer {
             "memory": [{ "name": "answers", "capacity": 805_306_368, "taken": 0, "most": 20_044, "refused": 0 }] })),
     )
 )]
-pub(super) async fn readyz(State(app): State<SharedApp>) -> Response {
-    let not_ready = |detail: String| Problem::new(problem::NOT_READY, detail).into_response();
+pub(super) async fn readyz(State(app): State<SharedApp>) -> Result<Json<Readiness>, Problem> {
+    let not_ready = |detail: String| Err(Problem::new(problem::NOT_READY, detail));
     let (age, took) = match app.canary.last_success() {
         Some((age, took)) if age <= super::canary::STALE_AGE => (age, took),
         Some((age, _)) => return not_ready(format!("the canary job last succeeded {} s ago", age.as_secs())),
@@ -93,13 +91,12 @@ pub(super) async fn readyz(State(app): State<SharedApp>) -> Response {
         let ShareUsage { taken, most, refused } = share.usage();
         ShareAnswer { name: share.name, capacity: share.capacity, taken, most, refused }
     };
-    let readiness = Readiness {
+    Ok(Json(Readiness {
         ready: true,
         canary_age_s: age.as_secs_f64(),
         canary_ms: took.as_secs_f64() * 1000.0,
         under_way: app.desk.n_under_way(),
         stores_away: app.desk.stores().into_iter().filter(|(_, usage)| usage.away).map(|(name, _)| name).collect(),
         memory: app.desk.account.shares().into_iter().map(share).collect(),
-    };
-    (StatusCode::OK, Json(readiness)).into_response()
+    }))
 }

@@ -33,9 +33,13 @@ const LARGEST_PAGE: u64 = 100;
         (status = 200, description = "How it stands", body = JobAnswer),
     )
 )]
-pub(super) async fn job(State(app): State<SharedApp>, client: Client, PathSegment(id): PathSegment) -> Response {
-    let standing = client.named(&id).and_then(|job| app.desk.standing(&job));
-    standing.map_or_else(|| unknown().into_response(), |standing| state_response(StatusCode::OK, &standing))
+pub(super) async fn job(
+    State(app): State<SharedApp>,
+    client: Client,
+    PathSegment(id): PathSegment,
+) -> Result<Response, Problem> {
+    let standing = client.named(&id).and_then(|job| app.desk.standing(&job)).ok_or_else(unknown)?;
+    Ok(state_response(StatusCode::OK, &standing))
 }
 
 /// Jobs, the newest first, by pages.
@@ -48,15 +52,16 @@ pub(super) async fn job(State(app): State<SharedApp>, client: Client, PathSegmen
     ),
     responses((status = 200, description = "A page of them", body = JobsAnswer, example = json!({ "jobs": [] })))
 )]
-pub(super) async fn list(State(app): State<SharedApp>, client: Client, RawQuery(query): RawQuery) -> Response {
-    let page = match page(query.as_deref().unwrap_or_default()) {
-        Ok(page) => page,
-        Err(fault) => return Problem::invalid(vec![fault]).into_response(),
-    };
-    let (records, is_more) = app.desk.jobs.page(client.tenant(), page.0, page.1);
+pub(super) async fn list(
+    State(app): State<SharedApp>,
+    client: Client,
+    RawQuery(query): RawQuery,
+) -> Result<Response, Problem> {
+    let (before, limit) = page(query.as_deref().unwrap_or_default())?;
+    let (records, is_more) = app.desk.jobs.page(client.tenant(), before, limit);
     let next = records.last().filter(|_| is_more).map(|record| record.number.to_string());
     let jobs = records.into_iter().map(|record| answer(&app.desk.standing_of(record))).collect();
-    ([(header::CACHE_CONTROL, "no-cache")], axum::Json(JobsAnswer { jobs, next })).into_response()
+    Ok(([(header::CACHE_CONTROL, "no-cache")], axum::Json(JobsAnswer { jobs, next })).into_response())
 }
 
 /// Cancels a job: what nobody else waits for ends within 65,536 rows or one tile. The job stays known; posted again, it
@@ -70,13 +75,15 @@ pub(super) async fn list(State(app): State<SharedApp>, client: Client, RawQuery(
         (status = 202, description = "It is cancelled", body = JobAnswer),
     )
 )]
-pub(super) async fn cancel(State(app): State<SharedApp>, client: Client, PathSegment(id): PathSegment) -> Response {
-    let Some(job) = client.named(&id) else { return unknown().into_response() };
+pub(super) async fn cancel(
+    State(app): State<SharedApp>,
+    client: Client,
+    PathSegment(id): PathSegment,
+) -> Result<Response, Problem> {
+    let job = client.named(&id).ok_or_else(unknown)?;
     let status = if app.desk.cancel(&job) { StatusCode::ACCEPTED } else { StatusCode::OK };
-    if let Err(error) = app.desk.jobs.written(job).await {
-        return Problem::from(NotAccepted::from(error)).into_response();
-    }
-    app.desk.standing(&job).map_or_else(|| unknown().into_response(), |standing| state_response(status, &standing))
+    app.desk.jobs.written(job).await.map_err(NotAccepted::from)?;
+    Ok(state_response(status, &app.desk.standing(&job).ok_or_else(unknown)?))
 }
 
 /// Forgets a job; when it is still under way and nobody else waits for its result, it is cancelled.
@@ -88,12 +95,15 @@ pub(super) async fn cancel(State(app): State<SharedApp>, client: Client, PathSeg
         (status = 204, description = "It is forgotten"),
     )
 )]
-pub(super) async fn forget(State(app): State<SharedApp>, client: Client, PathSegment(id): PathSegment) -> Response {
-    if let Some(job) = client.named(&id).filter(|job| app.desk.forget(job)) {
-        let written = app.desk.jobs.written(job).await.map_err(|error| Problem::from(NotAccepted::from(error)));
-        return written.map(|()| StatusCode::NO_CONTENT).into_response();
-    }
-    Problem::new(problem::NOT_FOUND, "there is no job of this id, or it is forgotten already").into_response()
+pub(super) async fn forget(
+    State(app): State<SharedApp>,
+    client: Client,
+    PathSegment(id): PathSegment,
+) -> Result<StatusCode, Problem> {
+    let unknown = || Problem::new(problem::NOT_FOUND, "there is no job of this id, or it is forgotten already");
+    let job = client.named(&id).filter(|job| app.desk.forget(job)).ok_or_else(unknown)?;
+    app.desk.jobs.written(job).await.map_err(NotAccepted::from)?;
+    Ok(StatusCode::NO_CONTENT)
 }
 
 /// Returns the answer about an unknown job.
@@ -118,19 +128,19 @@ fn state_response(status: StatusCode, standing: &Standing) -> Response {
 }
 
 /// Returns the answer to a posted job, with its state and location; 202 as long as it is under way.
-pub(super) fn accepted(app: &Arc<App>, job: &JobKey, waited: Option<u64>) -> Response {
-    let Some(standing) = app.desk.standing(job) else { return unknown().into_response() };
+pub(super) fn accepted(app: &Arc<App>, job: &JobKey, waited: Option<u64>) -> Result<Response, Problem> {
+    let standing = app.desk.standing(job).ok_or_else(unknown)?;
     let status = if standing.phase.is_settled() { StatusCode::OK } else { StatusCode::ACCEPTED };
-    with_location(state_response(status, &standing), &format!("/v1/jobs/{}", job.id), waited)
+    Ok(with_location(state_response(status, &standing), &format!("/v1/jobs/{}", job.id), waited))
 }
 
 /// Returns the answer 202 with the location of a job that is under way.
-pub(super) fn later(app: &Arc<App>, job: &JobKey, waited: Option<u64>) -> Response {
-    let Some(standing) = app.desk.standing(job) else { return unknown().into_response() };
+pub(super) fn later(app: &Arc<App>, job: &JobKey, waited: Option<u64>) -> Result<Response, Problem> {
+    let standing = app.desk.standing(job).ok_or_else(unknown)?;
     let mut response =
         with_location(state_response(StatusCode::ACCEPTED, &standing), &format!("/v1/jobs/{}", job.id), waited);
     response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
-    response
+    Ok(response)
 }
 
 /// Adds the location of a posted job or batch, and the wait that was granted, to an answer.
@@ -146,13 +156,14 @@ pub(super) fn with_location(mut response: Response, place: &str, waited: Option<
 }
 
 /// Parses the query of a page: the number before which the page begins, and the number of jobs.
-pub(super) fn page(query: &str) -> Result<(u64, usize), Fault> {
+pub(super) fn page(query: &str) -> Result<(u64, usize), Problem> {
     let (mut before, mut limit) = (u64::MAX, JOBS_PER_PAGE);
     if let Some(fault) = repeated(query).into_iter().next() {
-        return Err(fault);
+        return Err(Problem::invalid(vec![fault]));
     }
     for (name, value) in form_urlencoded::parse(query.as_bytes()) {
-        let wrong = |detail: String| Fault::new(format!("?{}", shortened(&name)), detail);
+        let place = format!("?{}", shortened(&name));
+        let wrong = |detail: String| Problem::invalid(vec![Fault::new(place, detail)]);
         let number = value.parse().ok().filter(|_| value.bytes().all(|byte| byte.is_ascii_digit()));
         match (&*name, number) {
             ("cursor", Some(number)) => before = number,

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use axum::body::Bytes;
 use axum::extract::{Path, RawQuery, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 use base64::Engine;
 use base64::alphabet::URL_SAFE;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
@@ -62,20 +62,18 @@ pub(super) async fn link(
     headers: HeaderMap,
     uri: Uri,
     RawQuery(query): RawQuery,
-) -> Response {
+) -> Result<Response, Problem> {
     let at = "?job";
     let query = query.unwrap_or_default();
     let given = form_urlencoded::parse(query.as_bytes()).find(|(name, _)| name == "job").map(|(_, job)| job);
-    let wanted = given.ok_or_else(|| {
+    let job = given.ok_or_else(|| {
         let detail = "the address says no job; give its JSON in base64url, as it is or compressed by zlib, or POST it";
         Problem::invalid(vec![Fault::new(at, detail)])
-    });
-    let wanted = wanted.and_then(|job| {
-        refuse_parameters(&query, &["job", "keep"]).map_err(Problem::invalid)?;
-        wanted_by((&client, &headers), &uri, &job, at)
-    });
-    let wanted = wanted.and_then(|wanted| Ok(ResultRequest { keep: streaming::asks_to_keep(Some(&query))?, ..wanted }));
-    respond(&app, &client, &headers, wanted).await.unwrap_or_else(IntoResponse::into_response)
+    })?;
+    refuse_parameters(&query, &["job", "keep"]).map_err(Problem::invalid)?;
+    let wanted = wanted_by((&client, &headers), &uri, &job, at)?;
+    let keep = streaming::asks_to_keep(Some(&query))?;
+    respond(&app, &client, &headers, ResultRequest { keep, ..wanted }).await
 }
 
 /// Renders a job as Kroki's clients ask for it: the format in the address, and behind it the job without `outputs`,
@@ -100,18 +98,16 @@ pub(super) async fn kroki(
     headers: HeaderMap,
     uri: Uri,
     path: Result<Path<(String, String)>, axum::extract::rejection::PathRejection>,
-) -> Response {
-    let wanted = || {
-        let unknown = |detail: String| Problem::new(problem::NOT_FOUND, detail);
-        let Path((name, data)) = path.map_err(|_| unknown("the address is no text in UTF-8".to_owned()))?;
-        let format = output::named(&name).ok_or_else(|| {
-            let known: Vec<&str> = FORMATS.iter().map(|format| format.name()).collect();
-            unknown(format!("there is no format \"{}\"; known are {}", shortened(&name), known.join(", ")))
-        })?;
-        let wanted = wanted_by((&client, &headers), &uri, &data, "")?;
-        Ok(ResultRequest { sent: wanted.sent.drawn(format), ..wanted })
-    };
-    respond(&app, &client, &headers, wanted()).await.unwrap_or_else(IntoResponse::into_response)
+) -> Result<Response, Problem> {
+    let unknown = |detail: String| Problem::new(problem::NOT_FOUND, detail);
+    let Path((name, data)) = path.map_err(|_| unknown("the address is no text in UTF-8".to_owned()))?;
+    let format = output::named(&name).ok_or_else(|| {
+        let known: Vec<&str> = FORMATS.iter().map(|format| format.name()).collect();
+        unknown(format!("there is no format \"{}\"; known are {}", shortened(&name), known.join(", ")))
+    })?;
+    let wanted = wanted_by((&client, &headers), &uri, &data, "")?;
+    let sent = wanted.sent.drawn(format);
+    respond(&app, &client, &headers, ResultRequest { sent, ..wanted }).await
 }
 
 /// Decodes the job of an address; `at` is its place in the request, for faults.
@@ -167,9 +163,9 @@ pub(super) async fn respond(
     app: &Arc<App>,
     client: &Client,
     headers: &HeaderMap,
-    wanted: Result<ResultRequest, Problem>,
+    wanted: ResultRequest,
 ) -> Result<Response, Problem> {
-    let mut response = rendered(app, client, headers, wanted?).await?;
+    let mut response = rendered(app, client, headers, wanted).await?;
     match response.status() {
         StatusCode::ACCEPTED => Err(Problem::unfinished()),
         StatusCode::OK | StatusCode::NOT_MODIFIED => {

@@ -43,13 +43,12 @@ pub(super) async fn docs(State(app): State<SharedApp>) -> Response {
     params(("kind" = String, Path, description = "The last part of a problem's type", example = "too-large")),
     responses((status = 200, description = "A page", body = String, content_type = "text/html"))
 )]
-pub(super) async fn problem(PathSegment(kind): PathSegment) -> Response {
-    let Some(kind) = KINDS.iter().find(|known| known.slug == kind) else {
-        let detail = format!("there is no kind of problem \"{}\"", shortened(&kind));
-        return Problem::new(problem::NOT_FOUND, detail).into_response();
-    };
+pub(super) async fn problem(PathSegment(kind): PathSegment) -> Result<Html<String>, Problem> {
+    let unknown = || format!("there is no kind of problem \"{}\"", shortened(&kind));
+    let found = KINDS.iter().find(|known| known.slug == kind);
+    let kind = found.ok_or_else(|| Problem::new(problem::NOT_FOUND, unknown()))?;
     let doc = escape(kind.doc);
-    page(kind.title, &format!("<p>Status {}</p><p>{doc}</p>", kind.status.as_u16())).into_response()
+    Ok(page(kind.title, &format!("<p>Status {}</p><p>{doc}</p>", kind.status.as_u16())))
 }
 
 fn page(title: &str, content: &str) -> Html<String> {

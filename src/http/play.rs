@@ -145,12 +145,10 @@ pub(super) async fn page(headers: HeaderMap) -> Response {
     params(("file" = String, Path, description = "Name of the file", example = "planish-view.js")),
     responses((status = 200, description = "The file", body = String, content_type = "text/javascript"))
 )]
-pub(super) async fn file(PathSegment(name): PathSegment, headers: HeaderMap) -> Response {
-    if let Some(file) = PLAY_FILES.get(name.as_str()).filter(|_| !name.is_empty()) {
-        return file.answer(&headers);
-    }
-    let detail = format!("the page has no file \"{}\"", shortened(&name));
-    Problem::new(problem::NOT_FOUND, detail).into_response()
+pub(super) async fn file(PathSegment(name): PathSegment, headers: HeaderMap) -> Result<Response, Problem> {
+    let missing = || Problem::new(problem::NOT_FOUND, format!("the page has no file \"{}\"", shortened(&name)));
+    let file = PLAY_FILES.get(name.as_str()).filter(|_| !name.is_empty()).ok_or_else(missing)?;
+    Ok(file.answer(&headers))
 }
 
 /// Redirects people from `/` to the page; this is no operation of the interface.

@@ -5,7 +5,7 @@ use std::time::Duration;
 use axum::body::Body;
 use axum::extract::{RawQuery, State};
 use axum::http::HeaderMap;
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 use tokio::sync::watch;
 
 use super::app::SharedApp;
@@ -57,29 +57,26 @@ pub(super) async fn post(
     headers: HeaderMap,
     RawQuery(query): RawQuery,
     body: Body,
-) -> Response {
-    let answer = async {
-        let sent = body::collect(&app, &client, &headers, AcceptedBodies::Jobs, body).await?;
-        let terms = terms(query.as_deref().unwrap_or_default(), Priority::Interactive).map_err(Problem::invalid)?;
-        let asked = working::read_job(&app, client.peer(), &headers, sent).await?;
-        let job = JobKey { tenant: client.tenant(), id: asked.id() };
-        match app.desk.jobs.join(&job, Holder::Client) {
-            Some(JobState::Active) => app.desk.jobs.written(job).await.map_err(NotAccepted::from)?,
-            Some(_) => {}
-            None => {
-                let AdmittedJob { summary, tasks: _ } = asked.work(&app, client.peer()).await?;
-                let made = app.desk.all_kept(&summary, client.peer()).await;
-                app.desk.accept(job, summary, terms, (client.peer(), Holder::Client), made).await?;
-            }
+) -> Result<Response, Problem> {
+    let sent = body::collect(&app, &client, &headers, AcceptedBodies::Jobs, body).await?;
+    let terms = terms(query.as_deref().unwrap_or_default(), Priority::Interactive).map_err(Problem::invalid)?;
+    let asked = working::read_job(&app, client.peer(), &headers, sent).await?;
+    let job = JobKey { tenant: client.tenant(), id: asked.id() };
+    match app.desk.jobs.join(&job, Holder::Client) {
+        Some(JobState::Active) => app.desk.jobs.written(job).await.map_err(NotAccepted::from)?,
+        Some(_) => {}
+        None => {
+            let AdmittedJob { summary, tasks: _ } = asked.work(&app, client.peer()).await?;
+            let made = app.desk.all_kept(&summary, client.peer()).await;
+            app.desk.accept(job, summary, terms, (client.peer(), Holder::Client), made).await?;
         }
-        let (patience, said) = negotiate::patience(&headers);
-        if said && !patience.is_zero() {
-            // a record would hold an interest in the computation
-            wait(app.desk.jobs.get(&job).map(|record| record.ended.subscribe()), patience).await;
-        }
-        Ok::<_, Problem>(jobs::accepted(&app, &job, said.then_some(patience.as_secs())))
-    };
-    answer.await.into_response()
+    }
+    let (patience, said) = negotiate::patience(&headers);
+    if said && !patience.is_zero() {
+        // a record would hold an interest in the computation
+        wait(app.desk.jobs.get(&job).map(|record| record.ended.subscribe()), patience).await;
+    }
+    jobs::accepted(&app, &job, said.then_some(patience.as_secs()))
 }
 
 /// Waits for the end of a job or batch, for at most `patience`.

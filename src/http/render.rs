@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use axum::extract::{RawQuery, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 
 use super::answer::{self, Artifact, Lost};
 use super::app::{App, SharedApp};
@@ -68,18 +68,15 @@ pub(super) async fn render(
     headers: HeaderMap,
     RawQuery(query): RawQuery,
     early: Early,
-) -> Response {
-    let answer = async {
-        let (sent, identity) = (early.sent?, early.identity);
-        let notation = sent.notation.clone();
-        let wanted = ResultRequest { sent, identity, keep: streaming::asks_to_keep(query.as_deref())? };
-        let answered = rendered(&app, &client, &headers, wanted).await;
-        answered.map_err(|problem| match notation {
-            Notation::Job | Notation::JobAs(_) => problem,
-            Notation::File(..) => problem.at(name_of),
-        })
-    };
-    answer.await.unwrap_or_else(IntoResponse::into_response)
+) -> Result<Response, Problem> {
+    let (sent, identity) = (early.sent?, early.identity);
+    let notation = sent.notation.clone();
+    let wanted = ResultRequest { sent, identity, keep: streaming::asks_to_keep(query.as_deref())? };
+    let answered = rendered(&app, &client, &headers, wanted).await;
+    answered.map_err(|problem| match notation {
+        Notation::Job | Notation::JobAs(_) => problem,
+        Notation::File(..) => problem.at(name_of),
+    })
 }
 
 /// A request for a result.
@@ -215,7 +212,7 @@ async fn made(
         Ok(Phase::Failed(failure)) => Err(Problem::of_failure(failure, |fault| entries.fault(fault))),
         Ok(Phase::Queued | Phase::Running) | Err(_) => {
             app.desk.detach(id, summary(&sent), interest, (client.peer(), entries)).await?;
-            Ok(jobs::later(app, &id, said.then_some(patience.as_secs())))
+            jobs::later(app, &id, said.then_some(patience.as_secs()))
         }
     }
 }

@@ -7,9 +7,9 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::task::{Context, Poll};
 
-use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::http::{Method, Request, Response, header, request};
+use axum::{BoxError, Router};
 use futures_util::future::Either;
 use http_body::{Body as _, Frame, SizeHint};
 use http_body_util::Full;
@@ -48,7 +48,7 @@ impl ConnectionService {
         let answer = self.app.short.answer(&self.app.desk.tiers, &asked, parts)?;
         self.app.desk.count_hit();
         self.app.requests.count(&parts.method, asked.route(), answer.status().as_u16());
-        Some(answer.map(|bytes| AnswerBody::Whole(Full::new(bytes))))
+        Some(answer.map(|bytes| AnswerBody::Left(Full::new(bytes))))
     }
 
     /// Answers a request whose body has not been read.
@@ -82,7 +82,7 @@ impl ConnectionService {
             self.app.short.remember(asked, origin, &mut response);
         }
         let in_flight = counted.add_headers(&self.app, response.headers_mut());
-        (response.map(AnswerBody::Routed), in_flight)
+        (response.map(AnswerBody::Right), in_flight)
     }
 }
 
@@ -126,14 +126,8 @@ impl Service<Request<Incoming>> for ConnectionService {
     }
 }
 
-/// The body of an answer.
-#[derive(Debug)]
-enum AnswerBody {
-    /// Bytes that are all in memory.
-    Whole(Full<Bytes>),
-    /// A body from the router.
-    Routed(Body),
-}
+/// The body of an answer: bytes that are all in memory, or a body from the router.
+type AnswerBody = http_body_util::Either<Full<Bytes>, Body>;
 
 /// The body of an answer with the resources that are released at its end.
 #[derive(Debug)]
@@ -146,13 +140,10 @@ pub(super) struct ReleasingBody {
 
 impl http_body::Body for ReleasingBody {
     type Data = Bytes;
-    type Error = axum::Error;
+    type Error = BoxError;
 
-    fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        let frame = match &mut self.content {
-            AnswerBody::Whole(bytes) => Pin::new(bytes).poll_frame(cx).map_err(|never| match never {}),
-            AnswerBody::Routed(body) => Pin::new(body).poll_frame(cx),
-        };
+    fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, BoxError>>> {
+        let frame = Pin::new(&mut self.content).poll_frame(cx);
         if let Poll::Ready(Some(Ok(frame))) = &frame {
             self.app.requests.sent(frame.data_ref().map_or(0, Bytes::len));
         }
@@ -160,17 +151,11 @@ impl http_body::Body for ReleasingBody {
     }
 
     fn is_end_stream(&self) -> bool {
-        match &self.content {
-            AnswerBody::Whole(bytes) => bytes.is_end_stream(),
-            AnswerBody::Routed(body) => body.is_end_stream(),
-        }
+        self.content.is_end_stream()
     }
 
     fn size_hint(&self) -> SizeHint {
-        match &self.content {
-            AnswerBody::Whole(bytes) => bytes.size_hint(),
-            AnswerBody::Routed(body) => body.size_hint(),
-        }
+        self.content.size_hint()
     }
 }
 

@@ -1,9 +1,10 @@
 //! GET /v1/r/{signature}/{expiry}/...: resources that a signed address opens to everybody until it expires. The gate
 //! has checked the signature.
 
+use axum::extract::rejection::PathRejection;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, HeaderValue, Method, Uri, header};
-use axum::response::{IntoResponse, Response};
+use axum::response::Response;
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use flate2::read::DeflateDecoder;
@@ -25,7 +26,7 @@ use crate::output::FORMATS;
 const MAX_AGE_S: u64 = 86_400;
 
 /// The path parameters of a signed address: signature, expiry, and one name.
-type SignedPath = Result<Path<(String, String, String)>, axum::extract::rejection::PathRejection>;
+type SignedPath = Result<Path<(String, String, String)>, PathRejection>;
 
 /// Renders the job of a signed address, and answers with the bytes: what `<img>` and `<model-viewer>` show without a
 /// key.
@@ -56,11 +57,9 @@ pub(super) async fn signed(
     headers: HeaderMap,
     uri: Uri,
     path: SignedPath,
-) -> Response {
-    match path {
-        Ok(Path((_, _, job))) => shown(&app, &client, headers, &uri, &job).await,
-        Err(_) => no_text().into_response(),
-    }
+) -> Result<Response, Problem> {
+    let Path((.., job)) = path.map_err(no_text)?;
+    shown(&app, &client, headers, &uri, &job).await
 }
 
 /// The model of the job of a signed address, `model.gltf`, and the buffers to which it refers: glTF with levels of
@@ -90,40 +89,42 @@ pub(super) async fn signed_model(
     mut headers: HeaderMap,
     method: Method,
     uri: Uri,
-    path: Result<Path<(String, String, String, String)>, axum::extract::rejection::PathRejection>,
-) -> Response {
-    let Ok(Path((_, _, job, file))) = path else { return no_text().into_response() };
+    path: Result<Path<(String, String, String, String)>, PathRejection>,
+) -> Result<Response, Problem> {
+    let Path((.., job, file)) = path.map_err(no_text)?;
     let named = format!("{job}.gltf");
     if file == MODEL {
         return shown(&app, &client, headers, &uri, &named).await;
     }
     let detail = "the model of this address refers to no such file; its document names its buffers";
     let other = || Problem::new(problem::NOT_FOUND, detail);
-    let is_of_model = async {
-        let key = file.strip_suffix(".bin").and_then(Key::parse).ok_or_else(other)?;
-        check_length(&uri)?;
-        let wanted = wanted_by(&client, &mut headers, &named)?;
-        let read = render::read(&app, &client, &headers, wanted.sent).await?;
-        read.job.detail_keys().find(|detail| *detail == key).ok_or_else(other)
-    };
-    match is_of_model.await {
-        Ok(_) => artifacts::artifact(State(app), client, PathSegment(file), method, headers).await,
-        Err(problem) => problem.into_response(),
-    }
+    let key = file.strip_suffix(".bin").and_then(Key::parse).ok_or_else(other)?;
+    check_length(&uri)?;
+    let wanted = wanted_by(&client, &mut headers, &named)?;
+    let read = render::read(&app, &client, &headers, wanted.sent).await?;
+    read.job.detail_keys().find(|detail| *detail == key).ok_or_else(other)?;
+    drop(read);
+    artifacts::artifact(State(app), client, PathSegment(file), method, headers).await
 }
 
 /// Answers with the result of the job in a signed address.
-async fn shown(app: &SharedApp, client: &Client, mut headers: HeaderMap, uri: &Uri, job: &str) -> Response {
-    let wanted = check_length(uri).and_then(|()| wanted_by(client, &mut headers, job));
-    let response = respond(app, client, &headers, wanted).await;
-    let mut response = response.unwrap_or_else(IntoResponse::into_response);
+async fn shown(
+    app: &SharedApp,
+    client: &Client,
+    mut headers: HeaderMap,
+    uri: &Uri,
+    job: &str,
+) -> Result<Response, Problem> {
+    check_length(uri)?;
+    let wanted = wanted_by(client, &mut headers, job)?;
+    let mut response = respond(app, client, &headers, wanted).await?;
     if let (Credentials::Link(expires, ..), true) = (client.caller.shown, response.status().as_u16() < 400) {
         let age = expires.saturating_sub(app.desk.clock().wall().as_secs()).min(MAX_AGE_S);
         if let Ok(kept) = HeaderValue::try_from(format!("public, max-age={age}")) {
             response.headers_mut().insert(header::CACHE_CONTROL, kept);
         }
     }
-    response
+    Ok(response)
 }
 
 /// The events of a job, by a signed address: `EventSource` of browsers sends no keys.
@@ -149,11 +150,9 @@ pub(super) async fn signed_events(
     client: Client,
     path: SignedPath,
     headers: HeaderMap,
-) -> Response {
-    match path {
-        Ok(Path((_, _, id))) => events::events(app, client, PathSegment(id), headers).await,
-        Err(_) => no_text().into_response(),
-    }
+) -> Result<Response, Problem> {
+    let Path((.., id)) = path.map_err(no_text)?;
+    events::events(app, client, PathSegment(id), headers).await
 }
 
 /// The events of a batch, by a signed address.
@@ -179,11 +178,9 @@ pub(super) async fn signed_batch_events(
     client: Client,
     path: SignedPath,
     headers: HeaderMap,
-) -> Response {
-    match path {
-        Ok(Path((_, _, id))) => batches::batch_events(app, client, PathSegment(id), headers).await,
-        Err(_) => no_text().into_response(),
-    }
+) -> Result<Response, Problem> {
+    let Path((.., id)) = path.map_err(no_text)?;
+    batches::batch_events(app, client, PathSegment(id), headers).await
 }
 
 /// The bytes of an artifact, by a signed address.
@@ -210,14 +207,12 @@ pub(super) async fn signed_artifact(
     path: SignedPath,
     method: Method,
     headers: HeaderMap,
-) -> Response {
-    match path {
-        Ok(Path((_, _, file))) => artifacts::artifact(app, client, PathSegment(file), method, headers).await,
-        Err(_) => no_text().into_response(),
-    }
+) -> Result<Response, Problem> {
+    let Path((.., file)) = path.map_err(no_text)?;
+    artifacts::artifact(app, client, PathSegment(file), method, headers).await
 }
 
-fn no_text() -> Problem {
+fn no_text(_: PathRejection) -> Problem {
     Problem::new(problem::NOT_FOUND, "the address is no text in UTF-8; have it signed again")
 }
 

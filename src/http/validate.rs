@@ -1,9 +1,9 @@
 //! POST /v1/validate: the checks of a job without refining anything.
 
+use axum::Json;
 use axum::body::Body;
 use axum::extract::{RawQuery, State};
 use axum::http::HeaderMap;
-use axum::response::{IntoResponse, Response};
 
 use super::app::SharedApp;
 use super::blobs::attached;
@@ -39,36 +39,33 @@ pub(super) async fn validate(
     headers: HeaderMap,
     RawQuery(query): RawQuery,
     body: Body,
-) -> Response {
-    let answer = async {
-        let sent = body::collect(&app, &client, &headers, AcceptedBodies::Jobs, body).await?;
-        refuse_parameters(query.as_deref().unwrap_or_default(), &[]).map_err(Problem::invalid)?;
-        let sent = match attached(&app, client.peer(), sent).await.map_err(Problem::faults) {
-            Ok(sent) => sent,
-            // an unknown upload is a fault of the job like others
-            Err(Ok(faults)) => return Ok(axum::Json(report(Examined { faults, ..Examined::default() }))),
-            Err(Err(problem)) => return Err(problem),
-        };
-        let (limits, bytes) = (app.desk.limits.reading(), reading_memory(sent.length()));
-        let examined = app.desk.read(client.peer(), bytes, move |_| {
-            let mut request = sent.request()?;
-            let purpose = request.stated_purpose();
-            negotiate::settle(&HeaderMap::new(), &mut request)?;
-            Ok::<_, Problem>(request.examine(purpose, &limits))
-        });
-        let mut examined = examined.await??;
-        let bytes = examined.draft.as_ref().map_or(0, Draft::bytes);
-        let most = app.desk.account.inputs.capacity / 2;
-        if bytes > most {
-            examined.faults.push(Fault::new("/input", too_much("the input takes", bytes, most)));
-            return Ok(axum::Json(report(examined)));
-        }
-        let forecast = if let Some(Draft::Job(job)) = &examined.draft { job.forecast_bytes() } else { 0 };
-        let limits = app.desk.limits;
-        let bounded = app.desk.read(client.peer(), forecast, move |watch| report(examined.bounded(&limits, watch)));
-        Ok(axum::Json(bounded.await?))
+) -> Result<Json<ValidateAnswer>, Problem> {
+    let sent = body::collect(&app, &client, &headers, AcceptedBodies::Jobs, body).await?;
+    refuse_parameters(query.as_deref().unwrap_or_default(), &[]).map_err(Problem::invalid)?;
+    let sent = match attached(&app, client.peer(), sent).await.map_err(Problem::faults) {
+        Ok(sent) => sent,
+        // an unknown upload is a fault of the job like others
+        Err(Ok(faults)) => return Ok(Json(report(Examined { faults, ..Examined::default() }))),
+        Err(Err(problem)) => return Err(problem),
     };
-    answer.await.into_response()
+    let (limits, bytes) = (app.desk.limits.reading(), reading_memory(sent.length()));
+    let examined = app.desk.read(client.peer(), bytes, move |_| {
+        let mut request = sent.request()?;
+        let purpose = request.stated_purpose();
+        negotiate::settle(&HeaderMap::new(), &mut request)?;
+        Ok::<_, Problem>(request.examine(purpose, &limits))
+    });
+    let mut examined = examined.await??;
+    let bytes = examined.draft.as_ref().map_or(0, Draft::bytes);
+    let most = app.desk.account.inputs.capacity / 2;
+    if bytes > most {
+        examined.faults.push(Fault::new("/input", too_much("the input takes", bytes, most)));
+        return Ok(Json(report(examined)));
+    }
+    let forecast = if let Some(Draft::Job(job)) = &examined.draft { job.forecast_bytes() } else { 0 };
+    let limits = app.desk.limits;
+    let bounded = app.desk.read(client.peer(), forecast, move |watch| report(examined.bounded(&limits, watch)));
+    Ok(Json(bounded.await?))
 }
 
 /// Returns the answer with the findings about a job.

@@ -2,11 +2,29 @@
 
 use super::computation::Failure;
 use super::desk::Desk;
-use super::peer::Peer;
-use super::pool::{Busy, Lane};
+use super::peer::{Paid, Peer, QuotaKind};
+use super::pool::{Busy, Lack, Lane};
 use crate::watch::Watch;
 
 impl Desk {
+    /// Charges memory for the body of a request to its client.
+    ///
+    /// # Errors
+    /// The share for bodies, or the part of it that one client may have, is taken.
+    pub fn charge_body(&self, peer: Peer, bytes: u64) -> Result<Paid, Busy> {
+        let paid = self.peers.charge(&self.account.bodies, QuotaKind::BodyBytes, peer, bytes);
+        paid.map_err(|_| self.pool.busy(Lane::Reading, Lack::Bodies))
+    }
+
+    /// Charges memory for an answer to its client.
+    ///
+    /// # Errors
+    /// The share for answers, or the part of it that one client may have, is taken.
+    pub fn charge_answer(&self, peer: Peer, bytes: u64) -> Result<Paid, Busy> {
+        let paid = self.peers.charge(&self.account.answers, QuotaKind::AnswerBytes, peer, bytes);
+        paid.map_err(|_| self.pool.busy(Lane::Reading, Lack::Answers))
+    }
+
     /// Runs work on a request in its turn, with `memory_bytes` of memory. If the future is dropped, the work is
     /// stopped.
     ///
