@@ -184,10 +184,5 @@ impl ItemAnswer {
 
 /// Returns the name of the final state of a job; "running" if it is still active.
 pub fn ended(state: &JobState) -> &'static str {
-    match state {
-        JobState::Active => "running",
-        JobState::Done => "done",
-        JobState::Failed(_) => "failed",
-        JobState::Cancelled => "cancelled",
-    }
+    super::standing::state(&JobPhase::of(state, true))
 }

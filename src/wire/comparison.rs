@@ -85,7 +85,7 @@ impl ComparisonRequest {
 }
 
 /// What differs.
-#[derive(Debug, Clone, Serialize, ToSchema)]
+#[derive(Debug, Clone, Default, Serialize, ToSchema)]
 pub struct ComparisonAnswer {
     /// Whether both are the same within what is allowed: no pixel differs, or the shapes have one `shape_hash` or are
     /// proved to be within the tolerance.
@@ -217,29 +217,15 @@ pub struct DifferenceAnswer {
 }
 
 impl ComparisonAnswer {
-    const NOTHING_COMPARED: Self = Self {
-        equal: false,
-        pixels: None,
-        sizes: None,
-        hausdorff: None,
-        tolerance: None,
-        length: None,
-        area: None,
-        volume: None,
-        bounds: None,
-        shape_hash: None,
-        outputs: Vec::new(),
-    };
-
     /// Creates the answer from the result of a comparison.
     pub fn new(found: &Compared) -> Self {
         match found {
-            Compared::Sizes(sizes) => Self { sizes: Some(*sizes), ..Self::NOTHING_COMPARED },
+            Compared::Sizes(sizes) => Self { sizes: Some(*sizes), ..Self::default() },
             Compared::Pixels { difference, .. } => {
                 let Difference { different, smoothed, largest, picture } = difference;
                 let of = picture.len() as u64;
                 let pixels = PixelsAnswer { different: *different, of, smoothed: *smoothed, largest: *largest };
-                Self { equal: *different == 0, pixels: Some(pixels), ..Self::NOTHING_COMPARED }
+                Self { equal: *different == 0, pixels: Some(pixels), ..Self::default() }
             }
             Compared::Shapes { stats, farthest, tolerance } => Self::of_shapes(stats, *farthest, *tolerance),
         }
@@ -272,7 +258,7 @@ impl ComparisonAnswer {
             volume: number("volume"),
             bounds: boxes(&stats),
             shape_hash: Some(HashesAnswer { a, b, equal: is_same }),
-            ..Self::NOTHING_COMPARED
+            ..Self::default()
         }
     }
 }

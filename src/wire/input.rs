@@ -289,22 +289,15 @@ impl InputRequest {
 
     /// Refuses fields that only meshes have.
     fn has_no_mesh(&self) -> Result<(), Vec<Fault>> {
-        let mut faults = Vec::new();
-        if self.orient.is_some() {
-            faults.push(Fault::new("/orient", "polygons have no winding; leave it out"));
-        }
-        if self.weld.is_some() {
-            faults.push(Fault::new("/weld", "only meshes are welded; leave it out"));
-        }
-        if self.non_manifold.is_some() {
-            faults.push(Fault::new("/non_manifold", "only meshes have edges with several faces; leave it out"));
-        }
-        if self.material.is_some() {
-            faults.push(Fault::new("/material", "only meshes have materials; leave it out"));
-        }
-        if self.pair_quads {
-            faults.push(Fault::new("/pair_quads", "only meshes have triangles; leave it out"));
-        }
+        let given = [
+            ("/orient", self.orient.is_some(), "polygons have no winding; leave it out"),
+            ("/weld", self.weld.is_some(), "only meshes are welded; leave it out"),
+            ("/non_manifold", self.non_manifold.is_some(), "only meshes have edges with several faces; leave it out"),
+            ("/material", self.material.is_some(), "only meshes have materials; leave it out"),
+            ("/pair_quads", self.pair_quads, "only meshes have triangles; leave it out"),
+        ];
+        let found = given.into_iter().filter(|(_, is_given, _)| *is_given);
+        let faults: Vec<Fault> = found.map(|(place, _, detail)| Fault::new(place, detail)).collect();
         if faults.is_empty() { Ok(()) } else { Err(faults) }
     }
 }

@@ -25,7 +25,7 @@ use crate::watch::Watch;
 
 /// A job: what is refined, how, how often, and what is answered; or, with a `figure` in place of an `input`, pictures
 /// of jobs in a grid.
-#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JobRequest {
     /// Version of this notation; 1 when left out.
@@ -121,17 +121,8 @@ pub struct SharedRequest {
 impl JobRequest {
     /// Creates the job of a figure with one output.
     pub fn of_figure(figure: FigureRequest, output: OutputRequest) -> Self {
-        Self {
-            spec: None,
-            input: InputRequest::missing(),
-            plan: None,
-            levels: None,
-            distance_to: None,
-            figure: Some(Box::new(figure)),
-            outputs: vec![output],
-            left_out: 0,
-            source: None,
-        }
+        let (input, figure) = (InputRequest::missing(), Some(Box::new(figure)));
+        Self { input, figure, outputs: vec![output], ..Self::default() }
     }
 
     /// Whether an output is to contain the description of its job.

@@ -4,10 +4,11 @@ use std::fmt;
 
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Unexpected, Visitor};
-use utoipa::openapi::schema::{Object, OneOf, Schema, Type};
-use utoipa::openapi::{ObjectBuilder, RefOr};
+use utoipa::openapi::schema::AdditionalProperties;
+use utoipa::openapi::{OneOfBuilder, RefOr, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
 
+use super::schema::of;
 use crate::job::Levels;
 
 /// The text that chooses as many levels as make the faces of a picture about a pixel in size.
@@ -64,22 +65,14 @@ impl<'de> Visitor<'de> for LevelsVisitor {
 
 impl PartialSchema for LevelsRequest {
     fn schema() -> RefOr<Schema> {
-        let count = ObjectBuilder::new().schema_type(Type::Integer).minimum(Some(0)).maximum(Some(MAX_LEVELS_ASKED));
-        let tolerance = ObjectBuilder::new()
-            .schema_type(Type::Number)
-            .exclusive_minimum(Some(0))
-            .description(Some("Greatest distance between the result and the limit, model units."));
-        let within = ObjectBuilder::new()
-            .property("tolerance", tolerance)
-            .required("tolerance")
-            .additional_properties(Some(utoipa::openapi::schema::AdditionalProperties::FreeForm(false)));
-        let auto = ObjectBuilder::new()
-            .schema_type(Type::String)
-            .enum_values(Some([AUTO]))
-            .description(Some("Of pictures: as many as make faces of about a pixel, and two million faces at most."));
-        let mut either = OneOf::new();
-        either.items = vec![Object::from(count).into(), Object::from(within).into(), Object::from(auto).into()];
-        RefOr::T(Schema::OneOf(either))
+        let count = of(Type::Integer).minimum(Some(0)).maximum(Some(MAX_LEVELS_ASKED));
+        let doc = "Greatest distance between the result and the limit, model units.";
+        let tolerance = of(Type::Number).exclusive_minimum(Some(0)).description(Some(doc));
+        let within = of(Type::Object).property("tolerance", tolerance).required("tolerance");
+        let within = within.additional_properties(Some(AdditionalProperties::FreeForm(false)));
+        let doc = "Of pictures: as many as make faces of about a pixel, and two million faces at most.";
+        let auto = of(Type::String).enum_values(Some([AUTO])).description(Some(doc));
+        OneOfBuilder::new().item(count).item(within).item(auto).into()
     }
 }
 

@@ -17,7 +17,7 @@ use crate::analysis::surface::{
     BoundaryReport, Extraordinary, NetKind, PointWeight, Quotient, RegularMask, RegularSmoothness, SmoothnessProof,
     Status, ValenceReport, evidence, verdict,
 };
-use parts::{MAX_EIGENVALUES, coordinates, is_there, name};
+use parts::{MAX_EIGENVALUES, coordinates, is_there, mask, name};
 
 use crate::job::{SurfaceFindings, Survey};
 use crate::math::mask::Mask;
@@ -166,7 +166,7 @@ pub struct FactorAnswer {
 }
 
 /// How smooth limits of regular nets are.
-#[derive(Debug, Clone, Serialize, ToSchema)]
+#[derive(Debug, Clone, Default, Serialize, ToSchema)]
 pub struct RegularSmoothnessAnswer {
     /// By what it is proved: `box spline`, as which the limit is known; `product`, of two curve schemes; `norms`, of
     /// difference schemes along two directions; `radius`, the joint spectral radius of what a step leaves of the points
@@ -192,7 +192,7 @@ pub struct RegularSmoothnessAnswer {
 }
 
 /// What is known of a valence.
-#[derive(Debug, Clone, Serialize, ToSchema)]
+#[derive(Debug, Clone, Default, Serialize, ToSchema)]
 pub struct ValenceAnswer {
     /// The number of edges at the vertex, or of corners of the face.
     pub valence: usize,
@@ -306,15 +306,7 @@ impl RegularAnswer {
 impl RegularSmoothnessAnswer {
     fn new(smoothness: &RegularSmoothness) -> Self {
         let RegularSmoothness { proof, proved_c, disproved_c } = smoothness;
-        let answer = |by| Self {
-            by,
-            proved_c: *proved_c,
-            disproved_c: *disproved_c,
-            certificates: Vec::new(),
-            sum_rules: None,
-            joint_spectral_radius: None,
-            holder: None,
-        };
+        let answer = |by| Self { by, proved_c: *proved_c, disproved_c: *disproved_c, ..Self::default() };
         let (found, quotient) = match proof {
             SmoothnessProof::BoxSpline => return answer("box spline"),
             SmoothnessProof::Product(_) => return answer("product"),
@@ -343,18 +335,12 @@ impl ValenceAnswer {
             imaginary: Some(found.value.im).filter(|x| *x != 0.0),
             fourier: found.fourier,
         };
-        let tangents = report.tangent_masks.as_ref().map(|both| {
-            both.each_ref().map(|mask| {
-                let entry = |weight: &PointWeight| (coordinates(weight), weight.values.clone());
-                mask.iter().filter(|weight| is_there(weight)).map(entry).collect()
-            })
-        });
         Self {
             valence: report.valence,
             eigenvalues: report.eigenvalues.iter().take(MAX_EIGENVALUES).map(eigenvalue).collect(),
             subdominant_ratio: report.ratio,
             limit_mask: limit_mask(&report.limit_mask),
-            tangent_masks: tangents,
+            tangent_masks: report.tangent_masks.as_ref().map(|both| both.each_ref().map(|of| mask(of))),
             characteristic_map_min_sine: report.least_sine,
             characteristic_net: report.net.as_ref().map(NetAnswer::new),
             c1: name(verdict(&report.criteria)),
@@ -365,19 +351,8 @@ impl ValenceAnswer {
     }
 
     fn refused(valence: usize, reason: &str) -> Self {
-        Self {
-            valence,
-            eigenvalues: Vec::new(),
-            subdominant_ratio: None,
-            limit_mask: BTreeMap::new(),
-            tangent_masks: None,
-            characteristic_map_min_sine: None,
-            characteristic_net: None,
-            c1: name(Status::Open),
-            evidence: name(Status::Open),
-            criteria: Vec::new(),
-            refused: Some(reason.to_owned()),
-        }
+        let [c1, evidence] = [name(Status::Open); 2];
+        Self { valence, c1, evidence, refused: Some(reason.to_owned()), ..Self::default() }
     }
 }
 

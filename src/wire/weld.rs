@@ -3,9 +3,10 @@
 use std::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
-use utoipa::openapi::schema::{Object, OneOf, Schema, Type};
-use utoipa::openapi::{ObjectBuilder, RefOr};
+use utoipa::openapi::{OneOfBuilder, RefOr, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
+
+use super::schema::of;
 
 /// A distance, or `false`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,11 +56,9 @@ impl Visitor<'_> for WeldVisitor {
 
 impl PartialSchema for WeldRequest {
     fn schema() -> RefOr<Schema> {
-        let distance = ObjectBuilder::new().schema_type(Type::Number).minimum(Some(0));
-        let never = ObjectBuilder::new().schema_type(Type::Boolean).enum_values(Some([false]));
-        let mut either = OneOf::new();
-        either.items = vec![Object::from(distance).into(), Object::from(never).into()];
-        RefOr::T(Schema::OneOf(either))
+        let distance = of(Type::Number).minimum(Some(0));
+        let never = of(Type::Boolean).enum_values(Some([false]));
+        OneOfBuilder::new().item(distance).item(never).into()
     }
 }
 

@@ -68,7 +68,7 @@ pub struct ExactAnswer {
 }
 
 /// What is known at one value of the parameter.
-#[derive(Debug, Clone, Serialize, ToSchema)]
+#[derive(Debug, Clone, Default, Serialize, ToSchema)]
 pub struct ScanValueAnswer {
     /// The value, rounded to f64.
     pub value: f64,
@@ -131,8 +131,7 @@ impl ExactAnswer {
 impl ScanValueAnswer {
     fn new(row: &ScanRow) -> Self {
         let ExactAnswer { value, exact } = ExactAnswer::new(&row.value);
-        let none =
-            Self { value, exact, refused: None, sum_rules: None, proved_c: None, disproved_c: None, holder: None };
+        let none = Self { value, exact, ..Self::default() };
         match &row.found {
             ScanResult::Refused(why) => Self { refused: Some(why.clone()), ..none },
             ScanResult::Verdict(verdict) => Self {

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::parts::{CriterionAnswer, MAX_EIGENVALUES, NetAnswer, coordinates, is_there, name};
-use crate::analysis::surface::{BoundaryReport, PointWeight, Sided, Status, evidence, verdict};
+use super::parts::{CriterionAnswer, MAX_EIGENVALUES, NetAnswer, mask, name};
+use crate::analysis::surface::{BoundaryReport, Sided, Status, evidence, verdict};
 
 /// What is known of boundary vertices with a number of faces.
-#[derive(Debug, Clone, Serialize, ToSchema)]
+#[derive(Debug, Clone, Default, Serialize, ToSchema)]
 pub struct BoundaryAnswer {
     /// The number of faces at the vertex.
     pub faces: usize,
@@ -80,24 +80,7 @@ impl BoundaryAnswer {
 
     /// Creates the answer for boundary vertices without a report.
     pub(super) fn refused(faces: usize, reason: &str) -> Self {
-        Self {
-            faces,
-            crease: false,
-            eigenvalues: Vec::new(),
-            limit_mask: BTreeMap::new(),
-            tangent_masks: None,
-            characteristic_map_min_sine: None,
-            characteristic_net: None,
-            c1: name(Status::Open),
-            evidence: name(Status::Open),
-            criteria: Vec::new(),
-            refused: Some(reason.to_owned()),
-        }
+        let [c1, evidence] = [name(Status::Open); 2];
+        Self { faces, c1, evidence, refused: Some(reason.to_owned()), ..Self::default() }
     }
-}
-
-/// Returns the weights that exceed rounding errors, by sector coordinates.
-fn mask(weights: &[PointWeight]) -> BTreeMap<String, Vec<f64>> {
-    let there = weights.iter().filter(|weight| is_there(weight));
-    there.map(|weight| (coordinates(weight), weight.values.clone())).collect()
 }

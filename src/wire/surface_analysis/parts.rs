@@ -1,5 +1,7 @@
 //! Parts of answers about surfaces that inner and boundary vertices share.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -62,4 +64,10 @@ pub(super) fn is_there(weight: &PointWeight) -> bool {
 /// Returns the sector coordinates of a weight, `center` for the centre.
 pub(super) fn coordinates(weight: &PointWeight) -> String {
     weight.point.map_or_else(|| "center".to_owned(), |[i, j]| format!("{i},{j}"))
+}
+
+/// Returns the weights that exceed rounding errors, by sector coordinates.
+pub(super) fn mask(weights: &[PointWeight]) -> BTreeMap<String, Vec<f64>> {
+    let there = weights.iter().filter(|weight| is_there(weight));
+    there.map(|weight| (coordinates(weight), weight.values.clone())).collect()
 }
