@@ -1,11 +1,12 @@
 //! The canary: a small real job that is computed every ten seconds on the compute threads, to show that they work.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use crate::job::limits::{Admitted, Limits};
 use crate::job::run;
 use crate::service::desk::Desk;
+use crate::service::lock::lock;
 use crate::watch::Watch;
 use crate::wire::JobRequest;
 
@@ -32,12 +33,12 @@ pub struct Canary(Mutex<Option<(Instant, Duration)>>);
 impl Canary {
     /// Returns age and duration of the last success.
     pub fn last_success(&self) -> Option<(Duration, Duration)> {
-        let last = *self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let last = *lock(&self.0);
         last.map(|(at, took)| (at.elapsed(), took))
     }
 
     fn succeeded(&self, took: Duration) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some((Instant::now(), took));
+        *lock(&self.0) = Some((Instant::now(), took));
     }
 }
 

@@ -2,12 +2,13 @@
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use tokio::sync::Notify;
 
 use crate::service::clock::Clock;
+use crate::service::lock::lock;
 use crate::service::peer::Peer;
 
 /// The event that a connection waits for, in the order in which connections are closed.
@@ -71,15 +72,11 @@ impl Connections {
         Arc::new(Self { table: Mutex::default(), most, most_a_peer, clock, made_room: counters.0, refused: counters.1 })
     }
 
-    fn table(&self) -> MutexGuard<'_, ConnectionTable> {
-        self.table.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Admits a connection. If there are too many, the one that has kept the service waiting for longest is closed for
     /// it: of the same peer if this peer has its maximum, else of the peer with the most connections. `None` if all of
     /// them wait for the service.
     pub(super) fn enter(self: &Arc<Self>, peer: Peer) -> Option<OpenConnection> {
-        let mut table = self.table();
+        let mut table = lock(&self.table);
         let own = table.of_peer.get(&peer).copied().unwrap_or(0);
         if own >= self.most_a_peer || table.open.len() >= self.most {
             let from = if own >= self.most_a_peer { Some(peer) } else { None };
@@ -110,7 +107,7 @@ impl Connections {
 
     /// Returns the number of open connections.
     pub fn len(&self) -> usize {
-        self.table().open.len()
+        lock(&self.table).open.len()
     }
 
     /// Returns whether no connection is open.
@@ -180,7 +177,7 @@ impl Connection {
 
 impl Drop for OpenConnection {
     fn drop(&mut self) {
-        self.connections.table().remove(&self.connection);
+        lock(&self.connections.table).remove(&self.connection);
     }
 }
 

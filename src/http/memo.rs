@@ -2,7 +2,7 @@
 //! neither parsed nor checked again. It holds keys only; the result itself must still be in the cache.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use axum::http::{HeaderMap, header};
 
@@ -12,6 +12,7 @@ use crate::job::Job;
 use crate::job::ResolvedLevel;
 use crate::job::key::{Key, content};
 use crate::service::job_key::Tenant;
+use crate::service::lock::lock;
 
 /// Maximum length of a request that is remembered, in bytes. Twice of it hashes and compares longer requests for
 /// answers that take longer anyway; half of it parses more of the small ones again.
@@ -77,12 +78,12 @@ fn accepting(tenant: Tenant, headers: &HeaderMap, mut bytes: Vec<u8>) -> Key {
 impl Memo {
     /// Returns what is remembered of a request.
     pub(super) fn get(&self, request: &Key) -> Option<RememberedRequest> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).get(request).cloned()
+        lock(&self.0).get(request).cloned()
     }
 
     /// Returns the number of remembered requests.
     pub fn len(&self) -> usize {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).len()
+        lock(&self.0).len()
     }
 
     /// Returns whether no request is remembered.
@@ -92,7 +93,7 @@ impl Memo {
 
     /// Remembers a request whose job was admitted, now or when its result was made.
     pub(super) fn put(&self, request: Key, known: RememberedRequest) {
-        let mut requests = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut requests = lock(&self.0);
         if requests.len() >= MAX_REMEMBERED_REQUESTS {
             requests.clear();
         }

@@ -1,10 +1,12 @@
 //! Counts of answered requests, and of the bytes of their answers.
 
 use std::collections::BTreeMap;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
 
 use axum::http::Method;
+
+use crate::service::lock::lock;
 
 /// The number of answers by method, route and status. All three are closed sets, so that no client can make the table
 /// grow.
@@ -18,7 +20,7 @@ impl RequestCounts {
     /// Counts an answer.
     pub(super) fn count(&self, method: &Method, route: &str, status: u16) {
         let method = ["GET", "HEAD", "POST", "DELETE", "OPTIONS"].into_iter().find(|known| method == known);
-        let mut table = self.answers.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut table = lock(&self.answers);
         *table.entry((method.unwrap_or("other"), route.to_owned(), status)).or_default() += 1;
     }
 
@@ -34,7 +36,7 @@ impl RequestCounts {
 
     /// Calls `tell` with method, route, status and count of each entry, in order.
     pub(super) fn each(&self, mut tell: impl FnMut(&str, &str, u16, u64)) {
-        let table = self.answers.lock().unwrap_or_else(PoisonError::into_inner);
+        let table = lock(&self.answers);
         table.iter().for_each(|((method, route, status), n)| tell(method, route, *status, *n));
     }
 }

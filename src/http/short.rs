@@ -2,7 +2,7 @@
 //! same headers and bytes, as long as the same artifact is in memory.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use axum::body::Bytes;
 use axum::http::{HeaderMap, HeaderValue, Method, Response, StatusCode, header, request};
@@ -11,6 +11,7 @@ use super::address::{RENDER, is_link};
 use super::{memo, negotiate};
 use crate::job::key::Key;
 use crate::service::job_key::Tenant;
+use crate::service::lock::lock;
 use crate::service::store::Manifest;
 use crate::service::tiers::Tiers;
 use crate::service::variant::Coding;
@@ -90,7 +91,7 @@ fn is_plain(headers: &HeaderMap) -> bool {
 impl Short {
     /// Returns the number of remembered answers.
     pub fn len(&self) -> usize {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).len()
+        lock(&self.0).len()
     }
 
     /// Returns whether no answer is remembered.
@@ -105,7 +106,7 @@ impl Short {
         asked: &PlainResource,
         request: &request::Parts,
     ) -> Option<Response<Bytes>> {
-        let head = self.0.lock().unwrap_or_else(PoisonError::into_inner).get(asked).cloned()?;
+        let head = lock(&self.0).get(asked).cloned()?;
         let address = head.headers.get(header::CONTENT_LOCATION);
         let is_there =
             matches!(asked, PlainResource::Render(..)) || address.is_some_and(|known| known == request.uri.path());
@@ -124,7 +125,7 @@ impl Short {
             return;
         }
         let head = Arc::new(KeptHeaders { manifest, origin, headers: response.headers().clone() });
-        let mut answers = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut answers = lock(&self.0);
         if answers.len() >= MAX_ANSWERS {
             answers.clear();
         }

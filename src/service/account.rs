@@ -8,9 +8,11 @@
 use std::collections::VecDeque;
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use tokio::sync::oneshot;
+
+use super::lock::lock;
 
 /// The shares of one service.
 #[derive(Debug)]
@@ -134,10 +136,6 @@ impl Share {
         Self { name, capacity, state: Mutex::default(), refused: AtomicU64::new(0) }
     }
 
-    fn state(&self) -> MutexGuard<'_, ShareState> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Takes bytes without waiting; fails if others wait already, since they come first.
     ///
     /// # Errors
@@ -152,7 +150,7 @@ impl Share {
     /// Takes bytes like [`Share::try_take`], for callers that refuse nobody if the bytes are not free, so that a
     /// failure is not counted.
     pub fn take_if_free(self: &Arc<Self>, bytes: u64) -> Option<Reservation> {
-        let mut state = self.state();
+        let mut state = lock(&self.state);
         state.forget_those_who_left();
         let is_taken = state.waiting.is_empty() && self.book(&mut state, bytes);
         is_taken.then(|| Reservation { share: Arc::clone(self), bytes })
@@ -162,7 +160,7 @@ impl Share {
     pub async fn take(self: &Arc<Self>, bytes: u64) -> Reservation {
         let bytes = bytes.min(self.capacity);
         let granted = {
-            let mut state = self.state();
+            let mut state = lock(&self.state);
             state.forget_those_who_left();
             if state.waiting.is_empty() && self.book(&mut state, bytes) {
                 return Reservation { share: Arc::clone(self), bytes };
@@ -187,7 +185,7 @@ impl Share {
 
     /// Gives bytes back, and grants them to waiters in the order of arrival.
     fn give_back(self: &Arc<Self>, bytes: u64) {
-        let mut state = self.state();
+        let mut state = lock(&self.state);
         state.taken -= bytes;
         let mut granted = Vec::new();
         loop {
@@ -206,13 +204,13 @@ impl Share {
 
     /// Returns the usage.
     pub fn usage(&self) -> ShareUsage {
-        let state = self.state();
+        let state = lock(&self.state);
         ShareUsage { taken: state.taken, most: state.most, refused: self.refused.load(Ordering::Relaxed) }
     }
 
     /// Returns whether less than a sixteenth of the share is left, or somebody waits for it.
     pub fn is_full(&self) -> bool {
-        let state = self.state();
+        let state = lock(&self.state);
         state.taken > self.capacity - self.capacity / 16 || state.waiting.iter().any(|(_, grant)| !grant.is_closed())
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use bytes::Bytes;
@@ -10,6 +10,7 @@ use tokio::sync::{Notify, watch};
 
 use super::clock::Clock;
 use super::job_key::Tenant;
+use super::lock::lock;
 use super::pool::Busy;
 use super::store::{Manifest, Owners};
 use crate::job::key::Key;
@@ -115,7 +116,7 @@ struct Stages {
 impl Stages {
     fn mark(&self, stage: Option<Stage>) {
         let now = self.clock.now();
-        self.begun.lock().unwrap_or_else(PoisonError::into_inner).push((stage, now));
+        lock(&self.begun).push((stage, now));
     }
 }
 
@@ -169,14 +170,10 @@ impl Computation {
         (self.watch.done() as f64 / self.work.max(1) as f64).min(0.99)
     }
 
-    fn interests(&self) -> MutexGuard<'_, BTreeMap<Tenant, usize>> {
-        self.interests.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Adds an interest of a tenant; returns whether the tenant had one before. Returns `None` when no interest is
     /// left, since the computation is ending then.
     pub fn join(&self, tenant: Tenant) -> Option<bool> {
-        let mut interests = self.interests();
+        let mut interests = lock(&self.interests);
         if interests.is_empty() {
             return None;
         }
@@ -187,7 +184,7 @@ impl Computation {
 
     /// Removes an interest of a tenant; returns true if it was the last of all.
     pub fn leave(&self, tenant: Tenant) -> bool {
-        let mut interests = self.interests();
+        let mut interests = lock(&self.interests);
         let Some(own) = interests.get_mut(&tenant) else { return false };
         *own -= 1;
         if *own == 0 {
@@ -198,7 +195,7 @@ impl Computation {
 
     /// Returns the tenants that are interested in the result now.
     pub fn owners(&self) -> Owners {
-        self.interests().keys().copied().collect()
+        lock(&self.interests).keys().copied().collect()
     }
 
     /// Ends the computation, whether it waits or runs.
@@ -225,18 +222,18 @@ impl Computation {
 
     /// Returns the number of interests in the result.
     pub fn n_interests(&self) -> usize {
-        self.interests().values().sum()
+        lock(&self.interests).values().sum()
     }
 
     /// Returns the current stage; `None` while the computation waits.
     pub fn stage(&self) -> Option<Stage> {
-        let begun = self.stages.begun.lock().unwrap_or_else(PoisonError::into_inner);
+        let begun = lock(&self.stages.begun);
         begun.last().and_then(|(stage, _)| *stage)
     }
 
     /// Returns the durations of the stages so far.
     pub fn timings(&self) -> Timings {
-        let begun = self.stages.begun.lock().unwrap_or_else(PoisonError::into_inner);
+        let begun = lock(&self.stages.begun);
         let ends = begun.iter().skip(1).map(|(_, end)| *end).chain([self.stages.clock.now()]);
         let mut timings = Timings::default();
         for ((stage, start), end) in begun.iter().zip(ends) {

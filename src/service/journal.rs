@@ -4,12 +4,13 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
 use tokio::sync::oneshot;
 
+use super::lock::lock;
 use super::store::{Records, StoreError};
 use super::writer::LAST_WAIT;
 
@@ -78,7 +79,7 @@ impl<R: RowKey> Journal<R> {
         let started = thread::Builder::new().name("jobs".to_owned()).spawn(move || of_thread.work());
         if let Err(error) = started {
             tracing::error!(%error, "the thread that writes records of jobs could not be started");
-            let mut pending = shared.pending();
+            let mut pending = lock(&shared.pending);
             (pending.closed, pending.ended) = (true, true);
         }
         Self { shared }
@@ -86,7 +87,7 @@ impl<R: RowKey> Journal<R> {
 
     /// Marks a row as changed.
     pub(super) fn note(&self, row: R) {
-        self.shared.pending().rows.entry(row).or_default();
+        lock(&self.shared.pending).rows.entry(row).or_default();
         self.shared.changed.notify_all();
     }
 
@@ -94,7 +95,7 @@ impl<R: RowKey> Journal<R> {
     pub(super) async fn written(&self, row: R) -> Result<(), StoreError> {
         let (sender, written) = oneshot::channel();
         {
-            let mut pending = self.shared.pending();
+            let mut pending = lock(&self.shared.pending);
             if !pending.ended {
                 pending.rows.entry(row).or_default().push(sender);
             }
@@ -107,7 +108,7 @@ impl<R: RowKey> Journal<R> {
 
     /// Returns why nothing can be written now, as far as the last write or check has shown.
     pub(super) fn trouble(&self) -> Option<String> {
-        self.shared.pending().trouble.clone()
+        lock(&self.shared.pending).trouble.clone()
     }
 
     /// Calls `tell` with every record in the store, including those of other tables.
@@ -120,7 +121,7 @@ impl<R: RowKey> Journal<R> {
 
     /// Writes the remaining changes, for at most `patience`; nothing is written afterwards.
     pub(super) fn close(&self, patience: Duration) {
-        let mut pending = self.shared.pending();
+        let mut pending = lock(&self.shared.pending);
         pending.closed = true;
         self.shared.changed.notify_all();
         let waited = self.shared.changed.wait_timeout_while(pending, patience, |pending| !pending.ended);
@@ -135,21 +136,16 @@ impl<R: RowKey> Drop for Journal<R> {
 }
 
 impl<R: RowKey> SharedJournal<R> {
-    /// Locks the pending changes. Every change under this lock is complete before anything can panic.
-    fn pending(&self) -> MutexGuard<'_, PendingRows<R>> {
-        self.pending.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Returns the store of records; `None` after the thread has ended.
     fn records(&self) -> Option<Arc<dyn Records>> {
-        self.records.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        lock(&self.records).clone()
     }
 
     /// Writes changes until the journal is closed, and checks the store while there are none.
     fn work(&self) {
         loop {
             let idle = |pending: &mut PendingRows<R>| pending.rows.is_empty() && !pending.closed;
-            let waited = self.changed.wait_timeout_while(self.pending(), CHECK_INTERVAL, idle);
+            let waited = self.changed.wait_timeout_while(lock(&self.pending), CHECK_INTERVAL, idle);
             let (mut pending, _) = waited.unwrap_or_else(PoisonError::into_inner);
             let rows = std::mem::take(&mut pending.rows);
             let is_last = pending.closed;
@@ -163,14 +159,14 @@ impl<R: RowKey> SharedJournal<R> {
             // converted to drop the prefix of a store's failure, which `written` adds again
             let written = written.map_err(|error| io::Error::from(error).to_string());
             let trouble = written.as_ref().err().cloned();
-            let is_told = self.pending().trouble == trouble;
+            let is_told = lock(&self.pending).trouble == trouble;
             if let Some(error) = trouble.as_ref().filter(|_| !is_told) {
                 tracing::warn!(error, records = rows.len(), "records of jobs cannot be written");
             }
             if is_last {
-                drop(self.records.lock().unwrap_or_else(PoisonError::into_inner).take());
+                drop(lock(&self.records).take());
             }
-            let mut pending = self.pending();
+            let mut pending = lock(&self.pending);
             pending.trouble = trouble;
             if is_last {
                 pending.ended = true;

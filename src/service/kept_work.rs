@@ -1,8 +1,9 @@
 //! Intermediate work of earlier computations in memory, refinement programs and refined meshes; the least recently used
 //! is evicted first.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
+use super::lock::lock;
 use super::store::{Owners, Shelf, Usage, admit};
 use crate::job::key::{Key, content};
 use crate::job::{KeepWork, Work};
@@ -24,14 +25,9 @@ impl KeptWork {
         Self { shelf: Mutex::new(Shelf::new(capacity)), capacity }
     }
 
-    /// Locks the entries. Every change under this lock is complete before anything can panic.
-    fn shelf(&self) -> MutexGuard<'_, Shelf<Work>> {
-        self.shelf.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Returns the usage.
     pub fn usage(&self) -> Usage {
-        self.shelf().usage()
+        lock(&self.shelf).usage()
     }
 }
 
@@ -70,7 +66,7 @@ impl KeepWork for WorkOf<'_> {
 
 impl KeepWork for KeptWork {
     fn find(&self, key: &Key) -> Option<Work> {
-        self.shelf().touch(key).cloned()
+        lock(&self.shelf).touch(key).cloned()
     }
 
     fn keep(&self, key: Key, work: Work) {
@@ -79,7 +75,7 @@ impl KeepWork for KeptWork {
             return;
         }
         let mut left = Vec::new(); // dropped after the lock is released
-        let mut shelf = self.shelf();
+        let mut shelf = lock(&self.shelf);
         left.extend(shelf.remove(&key));
         while let Some((_, evicted)) = shelf.evict_for(cost) {
             left.push(evicted);

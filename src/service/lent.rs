@@ -1,11 +1,12 @@
 //! Bytes being sent to clients: the memory charged for them is given back when the last reference is dropped.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, Weak};
 
 use bytes::Bytes;
 
 use super::account::Full;
+use super::lock::lock;
 use super::peer::Paid;
 use super::store::Manifest;
 use crate::job::key::Key;
@@ -62,7 +63,7 @@ impl InFlight {
         if is_free(manifest) {
             return Ok(None);
         }
-        let mut artifacts = self.artifacts.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut artifacts = lock(&self.artifacts);
         if let Some(paid) = artifacts.get(&manifest.content).and_then(Weak::upgrade) {
             return Ok(Some(paid));
         }

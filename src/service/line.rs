@@ -2,11 +2,12 @@
 //! does not wait behind one with many.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use tokio::sync::oneshot;
 
 use super::account::{Reservation, Share};
+use super::lock::lock;
 use super::peer::Peer;
 
 /// The line is full, or the peer has too many requests in it.
@@ -86,10 +87,6 @@ impl WaitingLine {
         Arc::new(Self { state: Mutex::new(state), share, most, most_a_peer })
     }
 
-    fn state(&self) -> MutexGuard<'_, LineState> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Joins the line for a place with `bytes` of memory; a request for more than the share has takes the whole share.
     pub(super) fn join(self: &Arc<Self>, peer: Peer, bytes: u64) -> Result<WaitingRequest, Crowded> {
         self.join_behind(peer, bytes, self.most_a_peer)
@@ -101,7 +98,7 @@ impl WaitingLine {
     }
 
     fn join_behind(self: &Arc<Self>, peer: Peer, bytes: u64, most_a_peer: usize) -> Result<WaitingRequest, Crowded> {
-        let mut state = self.state();
+        let mut state = lock(&self.state);
         let own = state.queues.iter().find(|(other, _)| *other == peer).map_or(0, |(_, queue)| queue.len());
         if state.n_waiting >= self.most || own >= most_a_peer {
             return Err(Crowded);
@@ -123,7 +120,7 @@ impl WaitingLine {
     /// Grants free places to the next requests in turn.
     fn serve(self: &Arc<Self>) {
         loop {
-            let mut state = self.state();
+            let mut state = lock(&self.state);
             if state.free == 0 {
                 return;
             }
@@ -149,7 +146,7 @@ impl WaitingLine {
 
     /// Removes a request from the line.
     fn leave(self: &Arc<Self>, peer: Peer, number: u64) {
-        let mut state = self.state();
+        let mut state = lock(&self.state);
         let Some(at) = state.queues.iter().position(|(other, _)| *other == peer) else { return };
         let queue = &mut state.queues[at].1;
         let Some(place) = queue.iter().position(|request| request.number == number) else { return };
@@ -165,12 +162,12 @@ impl WaitingLine {
 
     /// Returns the number of waiting requests.
     pub(super) fn waiting(&self) -> usize {
-        self.state().n_waiting
+        lock(&self.state).n_waiting
     }
 
     /// Returns whether the line is full.
     pub(super) fn is_full(&self) -> bool {
-        self.state().n_waiting >= self.most
+        lock(&self.state).n_waiting >= self.most
     }
 }
 
@@ -190,7 +187,7 @@ impl Drop for WaitingRequest {
 impl Drop for LinePlace {
     fn drop(&mut self) {
         drop(self.memory.take());
-        self.line.state().free += 1;
+        lock(&self.line.state).free += 1;
         self.line.serve();
     }
 }

@@ -16,7 +16,7 @@ mod journal;
 pub mod kept_work;
 pub mod lent;
 mod line;
-mod lock;
+pub(crate) mod lock;
 pub mod peer;
 pub mod pool;
 pub mod queue;

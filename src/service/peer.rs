@@ -2,10 +2,11 @@
 
 use std::collections::HashMap;
 use std::net::{IpAddr, Ipv6Addr};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use super::account::{Full, Reservation, Share};
 use super::job_key::Tenant;
+use super::lock::lock;
 
 /// A client, and the tenant on whose behalf it acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -105,10 +106,6 @@ pub struct Paid {
 }
 
 impl Peers {
-    fn table(&self) -> MutexGuard<'_, PeerTable> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Takes an amount for a peer, if the peer then holds at most `most`, and all peers together at most `most_of_all`.
     pub fn take(
         self: &Arc<Self>,
@@ -118,7 +115,7 @@ impl Peers {
         most: u64,
         most_of_all: u64,
     ) -> Option<Ticket> {
-        let mut table = self.table();
+        let mut table = lock(&self.0);
         let held = table.of_peer.get(&(peer, kind)).copied().unwrap_or(0).saturating_add(amount);
         let all = table.of_all.get(&kind).copied().unwrap_or(0).saturating_add(amount);
         if held > most || all > most_of_all {
@@ -165,7 +162,7 @@ impl Peers {
 
     /// Returns the amount of a kind that all peers hold.
     pub fn held(&self, kind: QuotaKind) -> u64 {
-        self.table().of_all.get(&kind).copied().unwrap_or(0)
+        lock(&self.0).of_all.get(&kind).copied().unwrap_or(0)
     }
 }
 
@@ -185,7 +182,7 @@ impl Ticket {
 
 impl Drop for Ticket {
     fn drop(&mut self) {
-        let mut table = self.peers.table();
+        let mut table = lock(&self.peers.0);
         let key = (self.peer, self.kind);
         let left = table.of_peer.get(&key).copied().unwrap_or(0).saturating_sub(self.amount);
         if left == 0 {

@@ -1,10 +1,11 @@
 //! Rate limits: how many requests each client may send per minute.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use super::clock::Clock;
+use super::lock::lock;
 use super::peer::Peer;
 
 /// The period of the rate limit; a client may also send all requests of one period at once.
@@ -53,7 +54,7 @@ impl Rates {
     /// [`Exceeded`]; then the request is not counted.
     pub fn take(&self, peer: Peer, per_minute: u64) -> Result<Quota, Exceeded> {
         let (now, each) = (self.clock.now(), share(per_minute));
-        let mut buckets = self.full_at.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut buckets = lock(&self.full_at);
         let before = buckets.get(&peer).copied().unwrap_or(now).max(now);
         let quota = |full_at: Duration| {
             let reset = full_at.saturating_sub(now);
@@ -75,7 +76,7 @@ impl Rates {
 
     /// Takes back the count of a request that caused no work.
     pub fn give_back(&self, peer: Peer, per_minute: u64) {
-        let mut buckets = self.full_at.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut buckets = lock(&self.full_at);
         if let Some(full_at) = buckets.get_mut(&peer) {
             *full_at = full_at.saturating_sub(share(per_minute));
         }
@@ -83,7 +84,7 @@ impl Rates {
 
     /// Returns the number of clients counted.
     pub fn len(&self) -> usize {
-        self.full_at.lock().unwrap_or_else(PoisonError::into_inner).len()
+        lock(&self.full_at).len()
     }
 
     /// Returns whether no client is counted.

@@ -1,9 +1,10 @@
 //! The table of computations under way, with the interests in them.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use super::computation::Computation;
+use super::lock::lock;
 use super::peer::Ticket;
 use crate::job::key::Key;
 
@@ -43,7 +44,7 @@ impl Interest {
 
 impl Drop for Interest {
     fn drop(&mut self) {
-        let mut computations = self.under_way.computations();
+        let mut computations = lock(&self.under_way.0);
         if self.computation.leave(self.ticket.peer().tenant()) {
             self.computation.stop();
             remove(&mut computations, &self.computation);
@@ -52,10 +53,6 @@ impl Drop for Interest {
 }
 
 impl UnderWay {
-    fn computations(&self) -> MutexGuard<'_, HashMap<Key, Arc<Computation>>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Joins the computation of a key, or begins it. The interest counts towards the limit of `ticket`.
     ///
     /// # Errors
@@ -66,7 +63,7 @@ impl UnderWay {
         ticket: Ticket,
         begin: impl FnOnce() -> Result<Arc<Computation>, E>,
     ) -> Result<Interest, E> {
-        let mut computations = self.computations();
+        let mut computations = lock(&self.0);
         let tenant = ticket.peer().tenant();
         let running = computations.get(&key).and_then(|running| Some((running.clone(), running.join(tenant)?)));
         let (computation, provenance) = if let Some((computation, is_own)) = running {
@@ -83,27 +80,27 @@ impl UnderWay {
 
     /// Removes a computation from the table.
     pub(super) fn remove(&self, computation: &Arc<Computation>) {
-        remove(&mut self.computations(), computation);
+        remove(&mut lock(&self.0), computation);
     }
 
     /// Returns the number of computations.
     pub(super) fn len(&self) -> usize {
-        self.computations().len()
+        lock(&self.0).len()
     }
 
     /// Returns the number of interests in all computations.
     pub(super) fn n_interests(&self) -> usize {
-        self.computations().values().map(|computation| computation.n_interests()).sum()
+        lock(&self.0).values().map(|computation| computation.n_interests()).sum()
     }
 
     /// Returns any of the computations.
     pub(super) fn any(&self) -> Option<Arc<Computation>> {
-        self.computations().values().next().cloned()
+        lock(&self.0).values().next().cloned()
     }
 
     /// Stops all computations.
     pub(super) fn stop(&self) {
-        self.computations().values().for_each(|computation| computation.stop());
+        lock(&self.0).values().for_each(|computation| computation.stop());
     }
 }
 

@@ -4,7 +4,7 @@
 use std::collections::{HashMap, VecDeque};
 use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -12,6 +12,7 @@ use bytes::Bytes;
 
 use super::clock::Clock;
 use super::disk_counts::{DiskCounts, count};
+use super::lock::lock;
 use super::store::{ArtifactDescription, Manifest, Sealed, Store, StoreError};
 use crate::job::key::Key;
 
@@ -152,7 +153,7 @@ impl StoreWriter {
             tracing::debug!(key = %manifest.key, %error, "the artifact is not brought to disk");
             return false;
         }
-        let mut backlog = self.0.backlog();
+        let mut backlog = lock(&self.0.backlog);
         if let Some(present) = backlog.waiting.get(&manifest.key) {
             return present.manifest().content == manifest.content;
         }
@@ -167,26 +168,26 @@ impl StoreWriter {
 
     /// Returns an artifact that waits, or the last large one that could not be written.
     pub(super) fn get(&self, key: &Key) -> Option<UnwrittenArtifact> {
-        let backlog = self.0.backlog();
+        let backlog = lock(&self.0.backlog);
         let given_up = || backlog.given_up.as_ref().filter(|sealed| sealed.manifest().key == *key);
         backlog.waiting.get(key).cloned().or_else(|| given_up().cloned().map(UnwrittenArtifact::Sealed))
     }
 
     /// Returns the number of waiting artifacts, and the memory they hold in bytes.
     pub(super) fn backlog(&self) -> (usize, u64) {
-        let backlog = self.0.backlog();
+        let backlog = lock(&self.0.backlog);
         (backlog.waiting.len(), backlog.held_bytes)
     }
 
     /// Records the failure of a write outside the writer's threads.
     pub(super) fn failed(&self, error: &StoreError) {
-        self.0.note(&mut self.0.backlog(), error);
+        self.0.note(&mut lock(&self.0.backlog), error);
     }
 
     /// Reports failing or hanging writes; `None` after a successful write, and when the last failure is older than
     /// [`FAILING_TIME`].
     pub(super) fn trouble(&self) -> Option<Trouble> {
-        let (backlog, now) = (self.0.backlog(), self.0.clock.now());
+        let (backlog, now) = (lock(&self.0.backlog), self.0.clock.now());
         if let Some(Failing { since, last, failures, reason }) = &backlog.failing
             && now.saturating_sub(*last) < FAILING_TIME
         {
@@ -200,14 +201,14 @@ impl StoreWriter {
 
     /// Returns whether a write hangs.
     pub(super) fn is_stuck(&self) -> bool {
-        let (backlog, now) = (self.0.backlog(), self.0.clock.now());
+        let (backlog, now) = (lock(&self.0.backlog), self.0.clock.now());
         backlog.under_way.values().any(|&since| now.saturating_sub(since) >= STUCK_TIME)
     }
 
     /// Closes the backlog, waits for at most `patience` until it is written and the store is closed, and returns
     /// whether it was. Artifacts left then are dropped, except for writes under way.
     pub(super) fn close(&self, patience: Duration) -> bool {
-        let mut backlog = self.0.backlog();
+        let mut backlog = lock(&self.0.backlog);
         backlog.closed = true;
         self.0.changed.notify_all();
         let waited = self.0.changed.wait_timeout_while(backlog, patience, |backlog| !backlog.ended);
@@ -226,7 +227,7 @@ impl StoreWriter {
 
 impl Drop for StoreWriter {
     fn drop(&mut self) {
-        let closed = self.0.backlog().closed;
+        let closed = lock(&self.0.backlog).closed;
         if !closed {
             self.close(LAST_WAIT);
         }
@@ -258,12 +259,6 @@ impl Backlog {
 }
 
 impl SharedWriter {
-    /// Locks the backlog. Every change under this lock is complete before anything can panic, so a poisoned lock guards
-    /// sound values.
-    fn backlog(&self) -> MutexGuard<'_, Backlog> {
-        self.backlog.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Writes artifacts until the writer is closed and its backlog is empty.
     fn work(&self) {
         while let Some((key, waiting)) = self.next() {
@@ -276,7 +271,7 @@ impl SharedWriter {
 
     fn next(&self) -> Option<(Key, UnwrittenArtifact)> {
         let idle = |backlog: &mut Backlog| backlog.line.is_empty() && !backlog.closed;
-        let waited = self.changed.wait_while(self.backlog(), idle);
+        let waited = self.changed.wait_while(lock(&self.backlog), idle);
         let mut backlog = waited.unwrap_or_else(PoisonError::into_inner);
         let key = backlog.line.pop_front()?;
         let waiting = backlog.waiting.get(&key).cloned()?;
@@ -298,7 +293,7 @@ impl SharedWriter {
                 &self.counts.dropped_unfit
             }
         });
-        let mut backlog = self.backlog();
+        let mut backlog = lock(&self.backlog);
         backlog.under_way.remove(key);
         let mut left = (backlog.take(key), None); // dropped after the lock: a drop may remove files
         match (written, waiting) {
@@ -322,7 +317,7 @@ impl SharedWriter {
 
     /// Ends a thread; the last one closes the store.
     fn leave(&self) {
-        let mut backlog = self.backlog();
+        let mut backlog = lock(&self.backlog);
         backlog.threads -= 1;
         if backlog.threads > 0 {
             return;
@@ -332,7 +327,7 @@ impl SharedWriter {
         drop(backlog);
         drop(given_up);
         self.store.close();
-        self.backlog().ended = true;
+        lock(&self.backlog).ended = true;
         self.changed.notify_all();
     }
 }

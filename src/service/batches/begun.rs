@@ -1,11 +1,12 @@
 //! The hand-over of batches from the code that accepts them to the code that runs them.
 
 use std::collections::VecDeque;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
 use tokio::sync::Notify;
 
 use super::record::BatchRun;
+use crate::service::lock::lock;
 
 /// The batches that are to be run.
 #[derive(Debug, Default)]
@@ -15,13 +16,9 @@ pub struct Begun {
 }
 
 impl Begun {
-    fn runs(&self) -> MutexGuard<'_, VecDeque<BatchRun>> {
-        self.runs.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Adds a batch.
     pub fn put(&self, run: BatchRun) {
-        self.runs().push_back(run);
+        lock(&self.runs).push_back(run);
         self.came.notify_one();
     }
 
@@ -29,7 +26,7 @@ impl Begun {
     pub async fn next(&self) -> BatchRun {
         loop {
             let came = self.came.notified();
-            let next = self.runs().pop_front();
+            let next = lock(&self.runs).pop_front();
             match next {
                 Some(run) => return run,
                 None => came.await,

@@ -1,7 +1,7 @@
 //! The table of records of batches.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use bytes::Bytes;
@@ -116,10 +116,6 @@ impl Batches {
         Self { table, clock, layout, journal }
     }
 
-    fn table(&self) -> MutexGuard<'_, BatchTable> {
-        lock(&self.table)
-    }
-
     fn note(&self, batch: JobKey) {
         self.journal.iter().for_each(|journal| journal.note(BatchRow::Batch(batch)));
     }
@@ -149,12 +145,12 @@ impl Batches {
 
     /// Returns a batch, if it is known.
     pub fn get(&self, batch: &JobKey) -> Option<Batch> {
-        self.table().batches.get(batch).cloned()
+        lock(&self.table).batches.get(batch).cloned()
     }
 
     /// Returns a batch of the tenant that has this artifact, and the index of the item that has it.
     pub fn of_artifact(&self, tenant: Tenant, artifact: &Key) -> Option<(Batch, usize)> {
-        let table = self.table();
+        let table = lock(&self.table);
         let (owner, key, id, at) = *table.by_artifact.range((tenant, *artifact, Key::LEAST, 0)..).next()?;
         let found = owner == tenant && key == *artifact;
         found.then(|| table.batches.get(&JobKey { tenant, id }).cloned().map(|batch| (batch, at))).flatten()
@@ -163,7 +159,7 @@ impl Batches {
     /// Returns the newest `n` batches of a tenant with numbers below `before`, newest first, and whether there are
     /// more.
     pub fn page(&self, tenant: Tenant, before: u64, n: usize) -> (Vec<Batch>, bool) {
-        let table = self.table();
+        let table = lock(&self.table);
         let own = table.by_number.range(..before).rev().filter(|(_, batch)| batch.tenant == tenant);
         let mut own = own.map(|(_, batch)| &table.batches[batch]);
         let page = own.by_ref().take(n).cloned().collect();
@@ -174,7 +170,7 @@ impl Batches {
     /// Returns whether a batch that is posted again is active or done, so that it need not be begun. One that is done
     /// counts as newly settled, so that its record is kept for the full time to live.
     pub fn join(&self, batch: &JobKey) -> bool {
-        let is_joined = self.table().join(batch, self.clock.now());
+        let is_joined = lock(&self.table).join(batch, self.clock.now());
         if is_joined {
             self.note(*batch);
         }
@@ -188,7 +184,7 @@ impl Batches {
     /// # Errors
     /// [`Full`] if active batches leave no room.
     pub fn accept(&self, memory: impl Fn(u64) -> Result<Paid, Full>, new: NewBatch) -> Result<Option<BatchRun>, Full> {
-        let mut table = self.table();
+        let mut table = lock(&self.table);
         if table.join(&new.batch, self.clock.now()) {
             drop(table);
             self.note(new.batch);
@@ -269,7 +265,7 @@ impl Batches {
             None => {}
         })?;
         kept.sort_by_key(|kept| kept.number);
-        let (mut table, mut runs) = (self.table(), Vec::new());
+        let (mut table, mut runs) = (lock(&self.table), Vec::new());
         for kept in kept {
             let (key, number) = (kept.batch, kept.number);
             let Some(layout) = (self.layout)(&kept.text) else {
@@ -323,7 +319,7 @@ impl Batches {
     /// Records the id of the job of an item; `is_hit` tells whether all its results existed already. An item with the
     /// same id keeps what is recorded of it, even from an earlier process. Returns false if the attempt is over.
     pub fn read(&self, run: &BatchRun, at: usize, job: Key, is_hit: bool) -> bool {
-        let mut table = self.table();
+        let mut table = lock(&self.table);
         let Some(item) = table.running(run).and_then(|batch| batch.items.get_mut(at)) else { return false };
         if item.job != Some(job) {
             *item = BatchItem { job: Some(job), is_hit, ending: None };
@@ -336,7 +332,7 @@ impl Batches {
     /// Records the end of an item.
     pub fn settle_item(&self, run: &BatchRun, at: usize, ending: Ending) {
         let ending = Arc::new(ending);
-        let mut table = self.table();
+        let mut table = lock(&self.table);
         let Some(item) = table.running(run).and_then(|batch| batch.items.get_mut(at)) else { return };
         item.ending = Some(ending.clone());
         table.find_by(run.batch, at, &ending);
@@ -348,7 +344,7 @@ impl Batches {
     /// of their jobs that were read; `None` if no such batch is active.
     pub fn end(&self, batch: &JobKey, attempt: Option<&BatchRun>, state: JobState) -> Option<Vec<JobKey>> {
         let now = self.clock.now();
-        let mut table = self.table();
+        let mut table = lock(&self.table);
         let is_meant = |known: &&mut Batch| attempt.is_none_or(|run| run.number == known.number);
         let known = table.batches.get_mut(batch).filter(|known| known.is_active()).filter(is_meant)?;
         let left = known.under_way();
@@ -369,7 +365,7 @@ impl Batches {
     /// Removes a batch; if it is active, returns its jobs that were read and have not ended. Returns `None` if the
     /// batch is not known.
     pub fn remove(&self, batch: &JobKey) -> Option<Vec<JobKey>> {
-        let forgotten = self.table().forget(batch)?;
+        let forgotten = lock(&self.table).forget(batch)?;
         self.note_items(*batch, 0..forgotten.items.len());
         self.note(*batch);
         Some(if forgotten.is_active() { forgotten.under_way() } else { Vec::new() })
@@ -379,7 +375,7 @@ impl Batches {
     pub fn overdue(&self, time_to_live: Duration) -> Vec<JobKey> {
         let now = self.clock.now();
         let is_old = |batch: &&Batch| batch.settled.is_some_and(|at| now.saturating_sub(at) >= time_to_live);
-        self.table().batches.values().filter(is_old).map(|batch| batch.batch).collect()
+        lock(&self.table).batches.values().filter(is_old).map(|batch| batch.batch).collect()
     }
 
     /// Writes all pending records, waiting at most `patience`, and nothing afterwards.

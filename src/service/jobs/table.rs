@@ -1,6 +1,6 @@
 //! The table of records of jobs.
 
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use tokio::sync::watch;
@@ -61,10 +61,6 @@ impl Jobs {
         &self.tally
     }
 
-    fn table(&self) -> MutexGuard<'_, JobTable> {
-        lock(&self.table)
-    }
-
     fn note(&self, job: JobKey) {
         self.journal.iter().for_each(|journal| journal.note(job));
     }
@@ -92,12 +88,12 @@ impl Jobs {
 
     /// Returns the record of a job.
     pub fn get(&self, job: &JobKey) -> Option<Record> {
-        self.table().records.get(job).cloned()
+        lock(&self.table).records.get(job).cloned()
     }
 
     /// Returns the record of a job of the tenant that has this artifact.
     pub fn of_artifact(&self, tenant: Tenant, artifact: &Key) -> Option<Record> {
-        let table = self.table();
+        let table = lock(&self.table);
         let found = table.by_artifact.range((tenant, *artifact, Key::LEAST)..).next();
         let (_, _, id) = found.filter(|(owner, key, _)| *owner == tenant && key == artifact)?;
         table.records.get(&JobKey { tenant, id: *id }).cloned()
@@ -106,7 +102,7 @@ impl Jobs {
     /// Returns the newest `n` records of a tenant with numbers below `before`, newest first, and whether there are
     /// more.
     pub fn page(&self, tenant: Tenant, before: u64, n: usize) -> (Vec<Record>, bool) {
-        let table = self.table();
+        let table = lock(&self.table);
         let own = table.by_number.range(..before).rev().filter(|(_, job)| job.tenant == tenant);
         let mut own = own.map(|(_, job)| &table.records[job]);
         let page = own.by_ref().take(n).cloned().collect();
@@ -122,7 +118,7 @@ impl Jobs {
     /// [`Full`] if active jobs leave no room; then only settled jobs have been removed.
     pub fn accept(&self, memory: impl Fn(u64) -> Result<Paid, Full>, new: New, again: bool) -> Result<Admission, Full> {
         let bytes = new.summary.record_bytes();
-        let mut table = self.table();
+        let mut table = lock(&self.table);
         let known = table.records.get(&new.job);
         if known.is_some_and(|known| known.is_active() || known.state == JobState::Done && !again) {
             table.join(&new.job, new.holder, self.clock.now());
@@ -202,7 +198,7 @@ impl Jobs {
         })?;
         kept.sort_by_key(|kept| kept.number);
         let (now, wall) = (self.clock.now(), self.clock.wall());
-        let mut table = self.table();
+        let mut table = lock(&self.table);
         // jobs that wait for a next start keep their numbers, too
         table.next = table.next.max(kept.last().map_or(0, |last| last.number + 1));
         let (mut runs, mut failed) = (Vec::new(), Vec::new());
@@ -239,7 +235,7 @@ impl Jobs {
     pub async fn begin(&self, run: &Attempt) {
         let now = self.clock.now();
         let was_begun = {
-            let mut table = self.table();
+            let mut table = lock(&self.table);
             let Some(record) = table.running(run) else { return };
             record.begun.get_or_insert(now);
             record.starts += 1;
@@ -255,14 +251,14 @@ impl Jobs {
     /// Adds a party to a job that is active or done and returns the job's state; `None` if there is no such job. A job
     /// that is done counts as newly settled, so that its record is kept for the full time to live.
     pub fn join(&self, job: &JobKey, holder: Holder) -> Option<JobState> {
-        let state = self.table().join(job, holder, self.clock.now())?;
+        let state = lock(&self.table).join(job, holder, self.clock.now())?;
         self.note(*job);
         Some(state)
     }
 
     /// Removes a batch from the parties that want a job; returns true if the job is active and nobody else wants it.
     pub fn leave(&self, job: &JobKey, batch: &Key) -> bool {
-        let mut table = self.table();
+        let mut table = lock(&self.table);
         let left = table.records.get_mut(job).filter(|record| record.is_active());
         left.is_some_and(|record| record.wanted.remove(batch))
     }
@@ -271,7 +267,7 @@ impl Jobs {
     /// attempt is over.
     pub fn attach(&self, run: &Attempt, output: usize, interest: Interest) -> bool {
         let interest = Arc::new(interest); // dropped after unlocking: its drop calls the desk
-        let mut table = self.table();
+        let mut table = lock(&self.table);
         let Some(record) = table.running(run) else { return false };
         let before = record.computing.replace((output, interest.clone()));
         drop(table);
@@ -281,7 +277,7 @@ impl Jobs {
 
     /// Records the result of an output.
     pub fn record_output(&self, run: &Attempt, output: usize, key: Key, made: OutputResult) {
-        let mut table = self.table();
+        let mut table = lock(&self.table);
         let Some(record) = table.running(run) else { return };
         let before = record.computing.take();
         if let Some(place) = record.made.get_mut(output) {
@@ -307,7 +303,7 @@ impl Jobs {
     /// Ends a job if it is active and `is_so` holds for its record; returns whether it was ended.
     pub fn end(&self, job: &JobKey, state: JobState, is_so: impl Fn(&Record) -> bool) -> bool {
         let now = self.clock.now();
-        let mut table = self.table();
+        let mut table = lock(&self.table);
         let found = table.records.get_mut(job).filter(|record| record.is_active() && is_so(record));
         let Some(record) = found else { return false };
         self.tally.count_settled(&state);
@@ -324,7 +320,7 @@ impl Jobs {
 
     /// Removes a job; computations that only this job needs end. Returns false if the job was not known.
     pub fn remove(&self, job: &JobKey) -> bool {
-        let removed = self.table().forget(job);
+        let removed = lock(&self.table).forget(job);
         let was_known = removed.is_some();
         drop(removed); // dropped after unlocking: dropping an interest calls the desk
         self.note(*job);
@@ -333,7 +329,7 @@ impl Jobs {
 
     /// Returns the jobs that have waited longer than they may, and the jobs settled at least `time_to_live` ago.
     pub fn overdue(&self, time_to_live: Duration) -> (Vec<JobKey>, Vec<JobKey>) {
-        let (now, table) = (self.clock.now(), self.table());
+        let (now, table) = (self.clock.now(), lock(&self.table));
         let waits_too_long = |record: &&Record| {
             let longest = record.terms.queue_timeout_s.map(Duration::from_secs);
             let is_waiting = record.is_active() && record.begun.is_none();
@@ -346,7 +342,7 @@ impl Jobs {
 
     /// Returns the number of jobs.
     pub fn len(&self) -> usize {
-        self.table().records.len()
+        lock(&self.table).records.len()
     }
 
     /// Returns whether there are no jobs.
@@ -356,14 +352,16 @@ impl Jobs {
 
     /// Returns an arbitrary active job.
     pub fn any_active(&self) -> Option<Record> {
-        self.table().records.values().find(|record| record.is_active()).cloned()
+        lock(&self.table).records.values().find(|record| record.is_active()).cloned()
     }
 
     /// Writes all pending records, waiting at most `patience`, and nothing afterwards. It takes back the start of each
     /// running job: this process ends regularly, not because of the job.
     pub fn close(&self, patience: Duration) {
         if let Some(journal) = &self.journal {
-            for record in self.table().records.values_mut().filter(|record| record.is_active() && record.starts > 0) {
+            for record in
+                lock(&self.table).records.values_mut().filter(|record| record.is_active() && record.starts > 0)
+            {
                 record.starts -= 1;
                 journal.note(record.job);
             }

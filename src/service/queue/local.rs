@@ -1,12 +1,13 @@
 //! The queue of one process, in memory.
 
 use std::collections::{HashMap, VecDeque};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use tokio::sync::Notify;
 
 use super::interface::{Later, Lease, Leased, Queue, QueueError, QueuedJob};
 use crate::service::job_key::{JobKey, Priority};
+use crate::service::lock::lock;
 use crate::service::peer::Peer;
 use crate::service::pool::Lane;
 
@@ -48,15 +49,10 @@ fn line_number(priority: Priority) -> usize {
 }
 
 impl SharedQueue {
-    /// Locks the state, ignoring poisoning: every change under this lock is complete before anything can panic.
-    fn state(&self) -> MutexGuard<'_, QueueState> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Adds a job that is not in the queue yet: at the front of its priority if `first`, else behind its client's other
     /// jobs.
     fn put(&self, item: QueuedJob, first: bool) {
-        let mut state = self.state();
+        let mut state = lock(&self.state);
         if state.known.insert(item.job, item).is_none() {
             let line = &mut state.lanes[lane_number(item.lane)].lines[line_number(item.priority)];
             let own = line.iter().position(|(peer, _)| *peer == item.peer);
@@ -76,7 +72,7 @@ impl SharedQueue {
     }
 
     fn next(&self, lane: Lane) -> Option<QueuedJob> {
-        let mut state = self.state();
+        let mut state = lock(&self.state);
         let job = state.lanes[lane_number(lane)].next()?;
         let item = state.known.remove(&job);
         if state.lanes[lane_number(lane)].len() > 0 {
@@ -137,7 +133,7 @@ impl Queue for LocalQueue {
     }
 
     fn withdraw(&self, job: &JobKey) {
-        let mut state = self.0.state();
+        let mut state = lock(&self.0.state);
         let Some(item) = state.known.remove(job) else { return };
         let line = &mut state.lanes[lane_number(item.lane)].lines[line_number(item.priority)];
         for (_, queue) in line.iter_mut() {
@@ -147,13 +143,13 @@ impl Queue for LocalQueue {
     }
 
     fn ahead(&self, job: &JobKey) -> Option<usize> {
-        let state = self.0.state();
+        let state = lock(&self.0.state);
         let item = state.known.get(job)?;
         state.lanes[lane_number(item.lane)].ahead(item)
     }
 
     fn waiting(&self, lane: Lane) -> usize {
-        self.0.state().lanes[lane_number(lane)].len()
+        lock(&self.0.state).lanes[lane_number(lane)].len()
     }
 }
 
