@@ -18,6 +18,15 @@ pub(super) fn guarded<T>(work: impl FnOnce() -> Result<T, redb::Error>) -> Resul
     }
 }
 
+/// Closes a database; dropping it may panic as well.
+pub(super) fn close<T>(database: T) -> Result<(), String> {
+    guarded(|| {
+        drop(database);
+        Ok(())
+    })
+}
+
+/// Returns the settings with which databases are opened.
 pub(super) fn builder() -> Builder {
     let mut builder = Database::builder();
     builder.set_cache_size(CACHE_BYTES);

@@ -118,12 +118,11 @@ impl Spool for DiskSpool {
     }
 
     fn commit_by_content(mut self: Box<Self>, description: ArtifactDescription) -> Result<Arc<Manifest>, StoreError> {
-        if let Some(failed) = self.failed.take() {
-            return Err(failed);
+        if self.failed.is_none() {
+            self.spill()?;
+            self.key = self.parts.content();
         }
-        self.spill()?;
-        self.key = self.parts.content();
-        self.seal(description)?.settle()
+        self.commit(description)
     }
 }
 

@@ -13,7 +13,6 @@ use super::disk::Disk;
 use super::error::StoreError;
 use super::files::{StoreFolder, Tmp, cost};
 use super::index::StoreIndex;
-use super::interface::Usage;
 use super::manifest::Manifest;
 use super::shelf::{self, Shelf};
 use crate::job::key::Key;
@@ -32,7 +31,7 @@ pub(super) struct DiskState {
     pub(super) folder: StoreFolder,
     pub(super) capacity: u64,
     /// The artifacts with their manifests, in order of use. Locked only for moments, never during disk operations.
-    shelf: Mutex<Shelf<Arc<Manifest>>>,
+    pub(super) shelf: Mutex<Shelf<Arc<Manifest>>>,
     /// The index on disk. Its lock is held by whoever changes files of artifacts, and is taken before the lock of the
     /// shelf.
     index: Mutex<StoreIndex>,
@@ -86,11 +85,6 @@ impl DiskState {
         Ok(state)
     }
 
-    /// Returns the manifest of `key`, if the artifact is stored, and counts this as a use.
-    pub(super) fn touch(&self, key: &Key) -> Option<Arc<Manifest>> {
-        lock(&self.shelf).touch(key).cloned()
-    }
-
     /// Refuses an artifact that cannot be stored, before any byte is written.
     pub(super) fn admit(&self, key: &Key, length: u64) -> Result<(), StoreError> {
         shelf::admit(length, self.capacity)?;
@@ -112,21 +106,6 @@ impl DiskState {
     pub(super) fn remove(&self, key: &Key) -> Result<(), StoreError> {
         self.discard(&mut lock(&self.index), key)?;
         Ok(())
-    }
-
-    /// Protects an artifact from eviction; returns whether it is stored.
-    pub(super) fn pin(&self, key: &Key) -> bool {
-        lock(&self.shelf).pin(key)
-    }
-
-    /// Undoes one [`pin`](Self::pin).
-    pub(super) fn unpin(&self, key: &Key) {
-        lock(&self.shelf).unpin(key);
-    }
-
-    /// Returns the counts and sizes of the store.
-    pub(super) fn usage(&self) -> Usage {
-        lock(&self.shelf).usage()
     }
 
     /// Returns the manifest of `key`, if the artifact is stored with this content, and counts this as a use.

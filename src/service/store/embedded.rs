@@ -16,6 +16,7 @@ use super::interface::{LargeSpool, Spool, Store, StoreKind, StorePurpose, Usage}
 use super::manifest::Manifest;
 use super::records::{RECORDS_FILE, RecordFile};
 use crate::job::key::Key;
+use crate::service::lock::lock;
 
 /// The entry of this store in the list of stores.
 pub(super) const FOLDER_STORE: StoreKind = StoreKind {
@@ -59,7 +60,7 @@ impl Embedded {
 
 impl Store for Embedded {
     fn manifest(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError> {
-        Ok(self.state.touch(key))
+        Ok(lock(&self.state.shelf).touch(key).cloned())
     }
 
     fn part(&self, manifest: &Manifest, index: usize) -> Result<Option<Bytes>, StoreError> {
@@ -76,15 +77,15 @@ impl Store for Embedded {
     }
 
     fn pin(&self, key: &Key) -> bool {
-        self.state.pin(key)
+        lock(&self.state.shelf).pin(key)
     }
 
     fn unpin(&self, key: &Key) {
-        self.state.unpin(key);
+        lock(&self.state.shelf).unpin(key);
     }
 
     fn usage(&self) -> Usage {
-        self.state.usage()
+        lock(&self.state.shelf).usage()
     }
 
     fn admit(&self, key: &Key, length: u64) -> Result<(), StoreError> {

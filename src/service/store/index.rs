@@ -10,7 +10,7 @@ use std::{fs, io};
 
 use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition, TableError};
 
-use super::database::{builder, guarded};
+use super::database::{builder, close, guarded};
 use super::shelf::Shelf;
 use crate::job::key::Key;
 
@@ -112,10 +112,7 @@ impl StoreIndex {
     /// Closes the database. Closing writes, so it can fail like a write.
     fn close(&mut self) {
         if let Some(database) = self.database.take()
-            && let Err(error) = guarded(|| {
-                drop(database);
-                Ok(())
-            })
+            && let Err(error) = close(database)
         {
             tracing::warn!(path = %self.path.display(), error, "the index cannot be closed");
         }

@@ -55,12 +55,6 @@ impl PartHashes {
         let content = self.content();
         record(key, self.length, content, self.hashes, description)
     }
-
-    /// Makes the manifest of these bytes under their hash as the key.
-    pub(super) fn manifest_by_content(self, description: ArtifactDescription) -> Manifest {
-        let key = self.content();
-        self.manifest(key, description)
-    }
 }
 
 impl Manifest {

@@ -7,7 +7,7 @@ use std::sync::Mutex;
 
 use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition, TableError};
 
-use super::database::{builder, guarded};
+use super::database::{builder, close, guarded};
 use super::disk_files::{at, remove_file};
 use super::error::StoreError;
 use crate::service::lock::lock;
@@ -125,10 +125,7 @@ impl RecordFile {
         done.map_err(|error| {
             if let Some(failed) = held.take() {
                 // Closing writes, so it may fail as well; only what the next open finds in the file counts.
-                let _ = guarded(|| {
-                    drop(failed);
-                    Ok(())
-                });
+                let _ = close(failed);
             }
             StoreError::Io(io::Error::other(format!("{}: {error}", self.path.display())))
         })

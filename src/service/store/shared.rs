@@ -22,6 +22,7 @@ use super::manifest::Manifest;
 use super::shared_spool::SharedSpool;
 use super::shared_state::SharedState;
 use crate::job::key::Key;
+use crate::service::lock::lock;
 
 /// Artifacts in a bucket. Clones share the store.
 #[derive(Debug, Clone)]
@@ -41,7 +42,7 @@ impl BucketStore {
 
 impl Store for BucketStore {
     fn manifest(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError> {
-        Ok(self.state.known(key))
+        Ok(lock(&self.state.shelf).touch(key).cloned())
     }
 
     fn is_shared(&self) -> bool {
@@ -72,11 +73,11 @@ impl Store for BucketStore {
     /// Keeps the manifest in the memory of this server. Objects in the bucket are never evicted, so they need no
     /// protection.
     fn pin(&self, key: &Key) -> bool {
-        self.state.pin(key)
+        lock(&self.state.shelf).pin(key)
     }
 
     fn unpin(&self, key: &Key) {
-        self.state.unpin(key);
+        lock(&self.state.shelf).unpin(key);
     }
 
     fn admit(&self, _key: &Key, length: u64) -> Result<(), StoreError> {

@@ -89,6 +89,7 @@ impl Spool for SharedSpool {
 
     fn commit_by_content(mut self: Box<Self>, description: ArtifactDescription) -> Result<Arc<Manifest>, StoreError> {
         let parts = self.end()?;
-        self.store.enter(parts.manifest_by_content(description))
+        let key = parts.content();
+        self.store.enter(parts.manifest(key, description))
     }
 }

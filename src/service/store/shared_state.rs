@@ -35,7 +35,7 @@ pub(super) struct SharedState {
     root: String,
     capacity: u64,
     /// Manifests that were read or written; the bucket may have others, and may have lost some of these.
-    shelf: Mutex<Shelf<Arc<Manifest>>>,
+    pub(super) shelf: Mutex<Shelf<Arc<Manifest>>>,
     checked: Mutex<ConditionalWrites>,
 }
 
@@ -72,24 +72,9 @@ impl SharedState {
         }
     }
 
-    /// Returns the manifest of an artifact, if this server remembers it, and counts this as a use.
-    pub(super) fn known(&self, key: &Key) -> Option<Arc<Manifest>> {
-        lock(&self.shelf).touch(key).cloned()
-    }
-
     /// Reads the manifest of an artifact from the bucket and remembers it.
     pub(super) fn look_up(&self, key: &Key) -> Result<Option<Arc<Manifest>>, StoreError> {
         Ok(self.fetch(key)?.map(|manifest| self.remember(manifest)))
-    }
-
-    /// Keeps a remembered manifest in memory; returns whether it is remembered.
-    pub(super) fn pin(&self, key: &Key) -> bool {
-        lock(&self.shelf).pin(key)
-    }
-
-    /// Undoes one [`pin`](Self::pin).
-    pub(super) fn unpin(&self, key: &Key) {
-        lock(&self.shelf).unpin(key);
     }
 
     /// Returns the counts of the remembered manifests, the capacity, and whether the object store is in an outage.
