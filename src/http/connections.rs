@@ -106,13 +106,8 @@ impl Connections {
     }
 
     /// Returns the number of open connections.
-    pub fn len(&self) -> usize {
+    pub fn n_open(&self) -> usize {
         lock(&self.table).open.len()
-    }
-
-    /// Returns whether no connection is open.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Returns how many connections were closed to make room, and how many were refused.

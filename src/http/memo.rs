@@ -82,13 +82,8 @@ impl Memo {
     }
 
     /// Returns the number of remembered requests.
-    pub fn len(&self) -> usize {
+    pub fn n_requests(&self) -> usize {
         lock(&self.0).len()
-    }
-
-    /// Returns whether no request is remembered.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Remembers a request whose job was admitted, now or when its result was made.

@@ -96,7 +96,7 @@ fn work(page: &mut MetricsPage, app: &App) {
     let ended = ("planish_computations_total", counter, "Computations by how they ended.");
     page.by(ended, "outcome", tally.computations());
     page.by(("planish_jobs_settled_total", counter, "Jobs by how they ended."), "outcome", tally.jobs());
-    page.one(("planish_jobs_known", gauge, "Jobs of which something is known."), desk.jobs.len());
+    page.one(("planish_jobs_known", gauge, "Jobs of which something is known."), desk.jobs.n_known());
     let stage = "planish_stage_seconds";
     page.family(stage, "histogram", "Time of the stages of computations that were done.");
     for (name, histogram) in tally.stages() {
@@ -129,7 +129,7 @@ fn work(page: &mut MetricsPage, app: &App) {
     let [made_room, refused] = app.connections.crowding();
     let crowding = [("made_room", made_room), ("refused", refused)];
     page.by(("planish_connections_crowded_total", counter, "Connections that were too many."), "what", crowding);
-    page.one(("planish_connections", gauge, "Connections that are open."), app.connections.len());
+    page.one(("planish_connections", gauge, "Connections that are open."), app.connections.n_open());
     if let Some((age, _)) = app.canary.last_success() {
         let since = ("planish_canary_age_seconds", gauge, "Time since the canary job last succeeded.");
         page.one(since, age.as_secs_f64());

@@ -90,13 +90,8 @@ fn is_plain(headers: &HeaderMap) -> bool {
 
 impl Short {
     /// Returns the number of remembered answers.
-    pub fn len(&self) -> usize {
+    pub fn n_answers(&self) -> usize {
         lock(&self.0).len()
-    }
-
-    /// Returns whether no answer is remembered.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Returns the remembered answer to a request, if its artifact is in memory. The caller has checked the host.

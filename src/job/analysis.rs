@@ -127,11 +127,7 @@ impl Analysis {
     pub fn new(plan: &PlanInput, requested: &RequestedFindings, watch: &Watch) -> Result<Self, Vec<Fault>> {
         let usual = if requested.scan.is_some() { DEFAULT_SCAN_NODES } else { DEFAULT_NODES };
         let nodes = requested.nodes.unwrap_or(usual);
-        let mut faults = Vec::new();
-        if nodes > MAX_NODES {
-            let detail = format!("{nodes} products of matrices; at most {MAX_NODES} are looked at");
-            faults.push(Fault::new("/nodes", detail));
-        }
+        let faults: Vec<Fault> = too_many_nodes(nodes).into_iter().collect();
         let asked = match &requested.scan {
             None => scheme(plan, requested, watch),
             Some(_) if requested.grid.is_some() => Err(useless_beside_scan("grid")),
@@ -262,6 +258,12 @@ fn scheme(input: &PlanInput, requested: &RequestedFindings, watch: &Watch) -> Re
         |matrices: RequestedMatrices| AskedMatrices::of(&Plan::resolve(input, Subject::default())?, &study, matrices);
     let matrices = requested.matrices.map(of_plan).transpose()?;
     Ok(AnalysisSubject::Scheme { study: Box::new(study), grid, matrices, on })
+}
+
+/// Refuses more products of matrices than are looked at.
+pub(super) fn too_many_nodes(nodes: u64) -> Option<Fault> {
+    let detail = || format!("{nodes} products of matrices; at most {MAX_NODES} are looked at");
+    (nodes > MAX_NODES).then(|| Fault::new("/nodes", detail()))
 }
 
 fn useless_beside_scan(name: &str) -> Vec<Fault> {

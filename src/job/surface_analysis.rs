@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use super::analysis::{DEFAULT_NODES, MAX_NODES};
+use super::analysis::{DEFAULT_NODES, too_many_nodes};
 use super::input::Input;
 use super::key::{self, Key};
 use super::mesh_survey::{Survey, Surveyed};
@@ -97,10 +97,7 @@ impl SurfaceAnalysis {
     ) -> Result<Self, Vec<Fault>> {
         let nodes = nodes.unwrap_or(DEFAULT_NODES);
         let mut faults = Vec::new();
-        if nodes > MAX_NODES {
-            let detail = format!("{nodes} products of matrices; at most {MAX_NODES} are looked at");
-            faults.push(Fault::new("/nodes", detail));
-        }
+        faults.extend(too_many_nodes(nodes));
         let mut numbers = |asked: Option<&[u64]>, name: &str, range: RangeInclusive<usize>| {
             let checked = asked.map(|asked| checked(asked, name, &range)).transpose();
             checked.unwrap_or_else(|found| {
@@ -185,22 +182,8 @@ impl SurfaceAnalysis {
     /// [`Stopped`] when the watch says so.
     pub fn run(&self, watch: &Watch) -> Result<SurfaceFindings<'_>, Stopped> {
         let smoothness = self.study.smoothness(self.nodes, watch)?;
-        let mut valences = Vec::with_capacity(self.valences.len());
-        for &valence in &self.valences {
-            let found = match self.study.valence(valence, &smoothness, watch) {
-                Err(Unlimited::Stopped(stopped)) => return Err(stopped),
-                found => found.map_err(|error| error.to_string()),
-            };
-            valences.push((valence, found));
-        }
-        let mut boundaries = Vec::with_capacity(self.boundaries.len());
-        for &faces in &self.boundaries {
-            let found = match self.study.boundary(faces, &smoothness, watch) {
-                Err(Unlimited::Stopped(stopped)) => return Err(stopped),
-                found => found.map_err(|error| error.to_string()),
-            };
-            boundaries.push((faces, found));
-        }
+        let valences = each(&self.valences, |valence| self.study.valence(valence, &smoothness, watch))?;
+        let boundaries = each(&self.boundaries, |faces| self.study.boundary(faces, &smoothness, watch))?;
         let survey = match &self.surveyed {
             Some(surveyed) => surveyed.survey(&self.study, &smoothness, watch)?,
             None => None,
@@ -209,6 +192,18 @@ impl SurfaceAnalysis {
         let (follows_alpha, drops_tags) = (*follows_alpha, *drops_tags);
         Ok(SurfaceFindings { study, follows_alpha, drops_tags, smoothness, valences, boundaries, survey })
     }
+}
+
+/// Returns the reports about numbers that were asked for, or why there is none.
+fn each<T>(
+    asked: &[usize],
+    report: impl Fn(usize) -> Result<T, Unlimited>,
+) -> Result<Vec<(usize, Result<T, String>)>, Stopped> {
+    let found = asked.iter().map(|&number| match report(number) {
+        Err(Unlimited::Stopped(stopped)) => Err(stopped),
+        found => Ok((number, found.map_err(|error| error.to_string()))),
+    });
+    found.collect()
 }
 
 /// Checks a list of numbers; returns them ascending and without repetition.

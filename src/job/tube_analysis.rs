@@ -1,6 +1,6 @@
 //! The limit of a straight tube whose rings are tagged as latitude lines: its radius, and the inverse problem.
 
-use super::analysis::{DEFAULT_NODES, MAX_NODES};
+use super::analysis::{DEFAULT_NODES, too_many_nodes};
 use super::codec::Item;
 use super::key::{Key, RESULTS_VERSION, hashed, plan_of};
 use crate::analysis::circles::StraightTube;
@@ -76,10 +76,7 @@ impl TubeAnalysis {
     pub fn new(plan: &PlanInput, asked: TubeInput, nodes: Option<u64>, watch: &Watch) -> Result<Self, Vec<Fault>> {
         let nodes = nodes.unwrap_or(DEFAULT_NODES);
         let mut faults = asked.faults();
-        if nodes > MAX_NODES {
-            let detail = format!("{nodes} products of matrices; at most {MAX_NODES} are looked at");
-            faults.push(Fault::new("/nodes", detail));
-        }
+        faults.extend(too_many_nodes(nodes));
         let subject = Subject { is_mesh: true, carried: Some(Carried::Latitude), ..Subject::default() };
         let plan = Plan::resolve(plan, subject).map_err(|found| under("/plan", found));
         let plan = plan.map_err(|found| faults.extend(found)).ok().filter(|_| faults.is_empty());

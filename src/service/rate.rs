@@ -83,13 +83,8 @@ impl Rates {
     }
 
     /// Returns the number of clients counted.
-    pub fn len(&self) -> usize {
+    pub fn n_clients(&self) -> usize {
         lock(&self.full_at).len()
-    }
-
-    /// Returns whether no client is counted.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 }
 
@@ -134,7 +129,7 @@ mod tests {
         let rates = Rates::new(Arc::new(Manual::default()));
         (0..2).for_each(|_| assert!(rates.take(peer(0), 2).is_ok()));
         (1..10_000).for_each(|number| assert!(rates.take(peer(number), 60).is_ok()));
-        assert_eq!(rates.len(), MAX_CLIENTS);
+        assert_eq!(rates.n_clients(), MAX_CLIENTS);
         assert!(rates.take(peer(0), 2).is_err());
     }
 }

@@ -341,13 +341,8 @@ impl Jobs {
     }
 
     /// Returns the number of jobs.
-    pub fn len(&self) -> usize {
+    pub fn n_known(&self) -> usize {
         lock(&self.table).records.len()
-    }
-
-    /// Returns whether there are no jobs.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Returns an arbitrary active job.

@@ -69,7 +69,7 @@ fn a_client_that_does_not_read_its_answer_is_let_go() {
         let mut first = [0; 12];
         stream.read_exact(&mut first).await.unwrap();
         assert_eq!(&first, b"HTTP/1.1 200");
-        until("it is let go", || server.app.connections.is_empty()).await;
+        until("it is let go", || server.app.connections.n_open() == 0).await;
         drop(stream);
     });
 }
@@ -79,9 +79,9 @@ fn beyond_the_cap_a_connection_takes_the_place_of_the_one_that_is_idle_for_longe
     let settings = Settings { max_connections: 2, header_timeout_s: 60, ..settings() };
     story(settings, async |server| {
         let first = server.connect().await;
-        until("the first is in", || server.app.connections.len() == 1).await;
+        until("the first is in", || server.app.connections.n_open() == 1).await;
         let mut second = server.connect().await;
-        until("both are in", || server.app.connections.len() == 2).await;
+        until("both are in", || server.app.connections.n_open() == 2).await;
         let asked = server.said("GET /livez HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n").await;
         assert!(rest(asked).await.starts_with("HTTP/1.1 200"));
         assert_eq!(rest(first).await, "", "it was idle for longest");

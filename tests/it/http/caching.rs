@@ -199,14 +199,14 @@ fn an_artifact_answers_to_its_own_extension_alone() {
 fn only_requests_whose_jobs_are_admitted_are_remembered() {
     story(settings(), async |server| {
         server.render(&mesh(40)).await.problem(422, "too-large");
-        assert!(server.app.memo.is_empty(), "a refused job leaves no trace");
+        assert!(server.app.memo.n_requests() == 0, "a refused job leaves no trace");
         server.render(&mesh(2)).await.ok();
-        assert_eq!(server.app.memo.len(), 1);
+        assert_eq!(server.app.memo.n_requests(), 1);
         let named = json!({ "outputs": [{ "name": "other", "format": "glb" }] });
         let mut other = mesh(2);
         other["outputs"] = named["outputs"].clone();
         assert_eq!(server.render(&other).await.ok().header("cache-status"), "planish; hit");
-        assert_eq!(server.app.memo.len(), 2, "its result was there, so that its job was admitted before");
+        assert_eq!(server.app.memo.n_requests(), 2, "its result was there, so that its job was admitted before");
     });
 }
 

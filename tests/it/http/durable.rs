@@ -89,7 +89,7 @@ fn what_is_known_of_settled_jobs_lasts_and_evicted_results_are_made_again() {
     });
     std::fs::remove_dir_all(folder.path().join("data/artifacts")).unwrap();
     story(lasting(&folder), async |server| {
-        assert_eq!(server.app.desk.jobs.len(), 1, "what was forgotten stays so");
+        assert_eq!(server.app.desk.jobs.n_known(), 1, "what was forgotten stays so");
         let again = server.get(&location).await.ok().json();
         for field in ["id", "state", "attempts", "cost", "outputs", "warnings"] {
             assert_eq!(again[field], done[field], "{field}");
@@ -138,7 +138,7 @@ fn jobs_are_refused_while_the_data_directory_is_gone() {
             let refused = server.post(path, &body).await.problem(507, "unwritten");
             assert!(refused["detail"].as_str().unwrap().contains("removed or replaced"), "{refused}");
         }
-        assert_eq!(server.app.desk.jobs.len(), 0);
+        assert_eq!(server.app.desk.jobs.n_known(), 0);
         std::fs::rename(&aside, &data).unwrap();
         ready(server).await;
         let accepted = server.post("/v1/jobs", &two()).await;
@@ -263,7 +263,7 @@ fn damaged_records_are_refused_and_stay_as_they_are() {
         assert_eq!(files(folder.path()), before);
     }
     std::fs::write(&records, &whole).unwrap();
-    story(lasting(&folder), async |server| assert_eq!(server.app.desk.jobs.len(), 1));
+    story(lasting(&folder), async |server| assert_eq!(server.app.desk.jobs.n_known(), 1));
 }
 
 #[test]

@@ -37,7 +37,7 @@ fn a_result_that_is_asked_again_and_again_has_the_same_headers_in_the_same_order
                 assert_eq!(told(&answers[1]), told(&answers[2]), "{headers:?}");
             }
         }
-        assert_eq!(server.app.short.len(), 2, "one answer to POST, one to GET");
+        assert_eq!(server.app.short.n_answers(), 2, "one answer to POST, one to GET");
     });
 }
 
@@ -51,7 +51,7 @@ fn whatever_else_a_request_asks_of_a_remembered_answer_is_heeded() {
             server.render(&job).await.ok();
             server.get(place).await.ok();
         }
-        assert_eq!(server.app.short.len(), 2);
+        assert_eq!(server.app.short.n_answers(), 2);
         assert_eq!(server.get_with(place, &[("if-none-match", etag)]).await.status, 304);
         assert_eq!(server.get_with(place, &[("if-none-match", "*")]).await.status, 304);
         assert_eq!(server.post_with("/v1/render", &job, &[("if-none-match", etag)]).await.status, 304);
@@ -79,7 +79,7 @@ fn a_remembered_answer_is_not_given_under_a_foreign_host() {
             server.render(&mesh(2)).await.ok();
             server.get(&place).await.ok();
         }
-        assert_eq!(server.app.short.len(), 2);
+        assert_eq!(server.app.short.n_answers(), 2);
         let get = format!("GET {place} HTTP/1.1\r\nhost: rebound.example\r\nconnection: close\r\n\r\n");
         let post = server.request("/v1/render", "connection: close\r\n", &mesh(2).to_string());
         let post = post.replace(&server.address.to_string(), "rebound.example");
