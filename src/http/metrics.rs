@@ -62,9 +62,7 @@ impl MetricsPage {
         self.family(name, kind, help);
         values.into_iter().for_each(|(of, value)| self.value(name, &[(label, of)], value));
     }
-}
 
-impl MetricsPage {
     /// Writes a family with one value.
     fn one(&mut self, (name, kind, help): (&str, &str, &str), value: impl Display) {
         self.family(name, kind, help);

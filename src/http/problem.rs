@@ -194,18 +194,14 @@ impl Problem {
         };
         Self { errors, ..Self::new(INVALID, detail) }
     }
-}
 
-impl Problem {
     /// Returns the same refusal with its places renamed by `name_of`, for requests that are not written as jobs.
     pub(super) fn at(self, name_of: impl Fn(&str) -> String) -> Self {
         let named = |fault: Fault| Fault { pointer: name_of(&fault.pointer), ..fault };
         let errors: Vec<Fault> = self.errors.into_iter().map(named).collect();
         if self.kind.slug == INVALID.slug { Self::invalid(errors) } else { Self { errors, ..self } }
     }
-}
 
-impl Problem {
     /// Returns the refusal of a batch because of one of its jobs, with the faults at their places in the batch.
     pub(super) fn placed(self, job: usize, place: impl Fn(Fault) -> Fault) -> Self {
         let is_told = self.kind.slug == INVALID.slug || self.errors.is_empty() && self.retry_after.is_some();

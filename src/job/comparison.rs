@@ -10,7 +10,7 @@ use super::codec::Item;
 use super::complete::Job;
 use super::error::RunError;
 use super::input::Input;
-use super::key::{Key, RESULTS_VERSION, content, hashed};
+use super::key::{Key, content, hashed, versioned};
 use super::limits::Admitted;
 use super::shown::show;
 use super::work::KeepWork;
@@ -175,8 +175,7 @@ impl Comparison {
             ComparedSides::Shapes(shapes, _) => shapes.each_ref().map(|shape| shape.job().keys()[0]),
         };
         let [a, b] = keys.map(|key| Item::text(&key.to_string()));
-        let version = Item::Integer(u64::from(RESULTS_VERSION));
-        let key = hashed(&Item::List(vec![Item::text("planish comparison"), version, tolerance, a, b]));
+        let key = versioned("planish comparison", [tolerance, a, b]);
         Ok(Self { sides, key })
     }
 

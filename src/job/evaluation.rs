@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::codec::Item;
 use super::error::RunError;
-use super::key::{Key, RESULTS_VERSION, hashed};
+use super::key::{Key, versioned};
 use super::limits::Admitted;
 use crate::fault::Fault;
 use crate::math::vector::Vector;
@@ -161,14 +161,9 @@ impl Evaluation {
         let numbers =
             at.iter().flat_map(|place| [f64::from(place.face), f64::from(place.corner), place.uv[0], place.uv[1]]);
         let names = values.iter().map(|value| Item::text(value.name())).collect();
-        let key = hashed(&Item::List(vec![
-            Item::text("planish evaluation"),
-            Item::Integer(u64::from(RESULTS_VERSION)),
-            Item::text(&job.keys()[0].to_string()),
-            Item::List(names),
-            Item::Numbers(numbers.collect()),
-            Item::Numbers(closest.as_flattened().into()),
-        ]));
+        let (of_job, points) = (Item::text(&job.keys()[0].to_string()), Item::Numbers(closest.as_flattened().into()));
+        let items = [of_job, Item::List(names), Item::Numbers(numbers.collect()), points];
+        let key = versioned("planish evaluation", items);
         Ok(Self { admitted, at, closest, values, key })
     }
 

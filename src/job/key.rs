@@ -127,8 +127,6 @@ pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&Pan
         Item::List(items)
     };
     let mut items = vec![
-        Item::text("planish figure"),
-        Item::Integer(u64::from(RESULTS_VERSION)),
         Item::List(cells.iter().map(cell).collect()),
         Item::Integer(u64::from(*columns)),
         text(title),
@@ -138,7 +136,7 @@ pub(super) fn figure(panels: impl Iterator<Item = Key>, (grid, one_scale): (&Pan
         values(options),
     ];
     items.extend(described(description.as_deref()));
-    hashed(&Item::List(items))
+    versioned("planish figure", items)
 }
 
 /// Returns the item of the description of the job in the bytes, if there is one.
@@ -163,15 +161,20 @@ fn shown_lines<'a>(shape: &'a Input, refined: &Plan, options: &Values) -> Option
 /// connectivity, the tags, the plan and the levels. `None` if vertex parameters or edge directions matter.
 pub(super) fn program(input: &Input, refined: &Plan, levels: u32) -> Option<Key> {
     let mesh = input.mesh().filter(|mesh| mesh.attributes.is_none() && mesh.directions.is_none())?;
-    let version = Item::Integer(u64::from(RESULTS_VERSION));
     let plan = plan(input, refined, levels, false);
-    Some(hashed(&Item::List(vec![Item::text("planish program"), version, connectivity(mesh), plan])))
+    Some(versioned("planish program", [connectivity(mesh), plan]))
 }
 
 pub(super) fn hashed(item: &Item<'_>) -> Key {
     let mut bytes = Vec::new();
     item.encode(&mut bytes);
     content(&bytes)
+}
+
+/// Returns the hash of a list of items that follow a name and the version of the results.
+pub(super) fn versioned<'a>(name: &str, items: impl IntoIterator<Item = Item<'a>>) -> Key {
+    let head = [Item::text(name), Item::Integer(u64::from(RESULTS_VERSION))];
+    hashed(&Item::List(head.into_iter().chain(items).collect()))
 }
 
 /// Returns the key of a job: over the names and keys of its outputs, in order.
@@ -184,8 +187,6 @@ pub fn job<'a>(outputs: impl Iterator<Item = (&'a str, &'a Key)>) -> Key {
 /// tolerance and the places of the outputs' points. Searches with the same key have the same answer.
 pub(super) fn search(shape: &Input, refined: &Plan, tolerance: f64, places: &[&str]) -> Key {
     let items = vec![
-        Item::text("planish search"),
-        Item::Integer(u64::from(RESULTS_VERSION)),
         input(shape, refined),
         plan(shape, refined, 1, true),
         // a plan with a perturbation is refused even if no operator uses it
@@ -193,7 +194,7 @@ pub(super) fn search(shape: &Input, refined: &Plan, tolerance: f64, places: &[&s
         Item::Number(tolerance),
         Item::List(places.iter().map(|place| Item::text(place)).collect()),
     ];
-    hashed(&Item::List(items))
+    versioned("planish search", items)
 }
 
 /// Returns the key of an analysis: over the results version, the masks (exact where known), the requested parts, and
@@ -215,8 +216,6 @@ pub(super) fn analysis(
         Item::List(vec![Item::Number(*alpha), first, Item::Numbers(values.clone().into())])
     };
     let mut items = vec![
-        Item::text("planish analysis"),
-        Item::Integer(u64::from(RESULTS_VERSION)),
         Item::Integer(arity.cast_unsigned()),
         Item::Integer(from.cast_unsigned()),
         Item::List((*from..=*to).map(|j| Item::text(&settled.at(j).to_string())).collect()),
@@ -229,7 +228,7 @@ pub(super) fn analysis(
     if let Some((shape, refined)) = on {
         items.extend([input(shape, refined), plan(shape, refined, 1, true)]);
     }
-    hashed(&Item::List(items))
+    versioned("planish analysis", items)
 }
 
 /// Returns the key of an analysis of a plan as a surface scheme: over the results version, the plan at alpha = 0
@@ -243,8 +242,6 @@ pub(super) fn surface_analysis(
 ) -> Key {
     let numbers = |of: &[usize]| Item::List(of.iter().map(|&n| Item::Integer(n as u64)).collect());
     let mut items = vec![
-        Item::text("planish surface analysis"),
-        Item::Integer(u64::from(RESULTS_VERSION)),
         plan_of(settled, 1, true, [true, false], Vec::new()),
         Item::Integer(u64::from(follows_alpha)),
         numbers(valences),
@@ -254,7 +251,7 @@ pub(super) fn surface_analysis(
     if let Some((shape, refined)) = on {
         items.extend([input(shape, refined), plan(shape, refined, 1, true)]);
     }
-    hashed(&Item::List(items))
+    versioned("planish surface analysis", items)
 }
 
 /// Returns whether an output shows the limit or names the scheme, so that the whole plan matters even at level 0.

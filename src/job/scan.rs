@@ -3,7 +3,7 @@
 use num_traits::ToPrimitive;
 
 use super::codec::Item;
-use super::key::{Key, RESULTS_VERSION, hashed};
+use super::key::{Key, versioned};
 use crate::analysis::Study;
 use crate::analysis::scan::Scan;
 use crate::fault::Fault;
@@ -123,9 +123,7 @@ pub(super) fn key(scan: &Scan, nodes: u64) -> Key {
     let mut others: Vec<_> = parameters.iter().filter(|(name, _)| name != parameter).collect();
     others.sort_by(|a, b| a.0.cmp(&b.0));
     let others = others.into_iter().map(|(name, value)| Item::List(vec![Item::text(name), literal(value)]));
-    let items = vec![
-        Item::text("planish scan"),
-        Item::Integer(u64::from(RESULTS_VERSION)),
+    let items = [
         Item::List(preset.iter().map(|name| Item::text(name)).collect()),
         Item::List(word.iter().map(|word| Item::text(word)).collect()),
         Item::List(others.collect()),
@@ -135,7 +133,7 @@ pub(super) fn key(scan: &Scan, nodes: u64) -> Key {
         Item::Integer(u64::from(*steps)),
         Item::Integer(nodes),
     ];
-    hashed(&Item::List(items))
+    versioned("planish scan", items)
 }
 
 /// Returns the item of a literal; numbers enter by their exact value, if there is one.

@@ -2,7 +2,7 @@
 
 use super::analysis::{DEFAULT_NODES, too_many_nodes};
 use super::codec::Item;
-use super::key::{Key, RESULTS_VERSION, hashed, plan_of};
+use super::key::{Key, plan_of, versioned};
 use crate::analysis::circles::StraightTube;
 use crate::analysis::smoothness::{SmoothnessReport, Symbol};
 use crate::analysis::surface::latitude_curves;
@@ -181,14 +181,12 @@ fn key(asked: &Plan, tube: &TubeInput, nodes: u64) -> Key {
     let radius = |radius: &Option<f64>| Item::List(radius.iter().map(|radius| Item::Number(*radius)).collect());
     // alpha is that of the ring
     let asked = Plan { alpha: 0.0, compensation_alpha: None, ..asked.clone() };
-    let items = vec![
-        Item::text("planish tube analysis"),
-        Item::Integer(u64::from(RESULTS_VERSION)),
+    let items = [
         plan_of(&asked, 1, true, [true, false], Vec::new()),
         Item::List([vertices, turns].map(|n| Item::Integer(*n)).into()),
         radius(control_radius),
         radius(limit_radius),
         Item::Integer(nodes),
     ];
-    hashed(&Item::List(items))
+    versioned("planish tube analysis", items)
 }

@@ -154,10 +154,7 @@ impl Desk {
     /// # Errors
     /// [`Busy`] when too many wait already.
     pub fn compute(self: &Arc<Self>, task: Arc<dyn Task>, peer: Peer) -> Result<Interest, Busy> {
-        let cost = task.cost();
-        let lane = self.pool.lane_of(cost.time_ms, cost.memory_bytes);
-        let ticket = self.ticket(peer, QuotaKind::Waiting).ok_or_else(|| self.pool.busy(lane, Lack::Waiting))?;
-        self.compute_for(task, peer, ticket, |bytes| self.pool.line_up(lane, peer, bytes))
+        self.compute_for(task, peer, self.ticket(peer, QuotaKind::Waiting), Pool::line_up)
     }
 
     /// Computes like [`Desk::compute`], for a job accepted earlier: the number of computations that its peer has in
@@ -166,25 +163,23 @@ impl Desk {
     /// # Errors
     /// [`Busy`] when the line is full.
     pub(super) fn compute_accepted(self: &Arc<Self>, task: Arc<dyn Task>, peer: Peer) -> Result<Interest, Busy> {
-        let cost = task.cost();
-        let lane = self.pool.lane_of(cost.time_ms, cost.memory_bytes);
         let ticket = self.peers.take(peer, QuotaKind::Accepted, 1, u64::MAX, u64::MAX);
-        let ticket = ticket.ok_or_else(|| self.pool.busy(lane, Lack::Waiting))?;
-        self.compute_for(task, peer, ticket, |bytes| self.pool.line_up_again(lane, peer, bytes))
+        self.compute_for(task, peer, ticket, Pool::line_up_again)
     }
 
     fn compute_for(
         self: &Arc<Self>,
         task: Arc<dyn Task>,
         peer: Peer,
-        ticket: Ticket,
-        line_up: impl FnOnce(u128) -> Result<WaitingRequest, Busy>,
+        ticket: Option<Ticket>,
+        line_up: impl FnOnce(&Pool, Lane, Peer, u128) -> Result<WaitingRequest, Busy>,
     ) -> Result<Interest, Busy> {
         let (key, cost) = (task.key(), task.cost());
         let lane = self.pool.lane_of(cost.time_ms, cost.memory_bytes);
+        let ticket = ticket.ok_or_else(|| self.pool.busy(lane, Lack::Waiting))?;
         let mut place = None;
         let begin = || {
-            place = Some(line_up(cost.memory_bytes)?);
+            place = Some(line_up(&self.pool, lane, peer, cost.memory_bytes)?);
             Ok(Arc::new(Computation::new(key, peer.tenant(), cost.work, self.clock.clone())))
         };
         let interest = self.under_way.join_or_begin(key, ticket, begin)?;
@@ -231,8 +226,10 @@ impl Desk {
             Phase::Done(outcome) if outcome.loose.is_none() => Some(outcome.manifest.clone()),
             _ => None,
         };
-        self.finish(&computation, phase);
-        stored.into_iter().for_each(|manifest| self.persist(&manifest));
+        self.under_way.remove(&computation); // before its final phase is published
+        self.tally.computed(&phase);
+        computation.set(phase);
+        stored.into_iter().for_each(|manifest| self.tiers.persist(&manifest));
     }
 
     /// Runs a task at a place among the compute threads, within the time limit of the lane.
@@ -262,13 +259,6 @@ impl Desk {
             Ok((Err(error), _)) => Phase::Failed(Failure::of(error)),
             Err(Panicked(message)) => Phase::Failed(Failure::Internal(format!("a computation panicked: {message}"))),
         }
-    }
-
-    /// Removes an ended computation from the table, then publishes its final phase.
-    fn finish(&self, computation: &Arc<Computation>, phase: Phase) {
-        self.under_way.remove(computation);
-        self.tally.computed(&phase);
-        computation.set(phase);
     }
 
     /// Charges the bytes of an outcome that no store has until the last response has sent them: to the share of
@@ -305,11 +295,6 @@ impl Desk {
             }
             made => made,
         }
-    }
-
-    /// Offers a new artifact to the disk writer, which works in the background.
-    fn persist(&self, manifest: &Arc<Manifest>) {
-        self.tiers.persist(manifest);
     }
 
     /// Returns the names of the lines that are full and of the memory shares that refuse requests. The shares of the

@@ -222,18 +222,13 @@ impl InputRequest {
             });
         }
         self.has_no_mesh()?;
-        if let Some(polygon) = self.polygon {
-            let polygon = polygon.resolve().map_err(|found| under("/polygon", found))?;
-            let input = Input::Polygons(vec![polygon]);
-            return Ok(ResolvedInput { input, entry: InputEntry::Polygon, boundary: None, coordinate_system });
-        }
-        let polygons = polygons(self.polygons.unwrap_or_default()).map_err(|found| under("/polygons", found))?;
-        Ok(ResolvedInput {
-            input: Input::Polygons(polygons),
-            entry: InputEntry::Polygons,
-            boundary: None,
-            coordinate_system,
-        })
+        let (found, entry) = if let Some(polygon) = self.polygon {
+            (vec![polygon.resolve().map_err(|found| under("/polygon", found))?], InputEntry::Polygon)
+        } else {
+            let all = polygons(self.polygons.unwrap_or_default());
+            (all.map_err(|found| under("/polygons", found))?, InputEntry::Polygons)
+        };
+        Ok(ResolvedInput { input: Input::Polygons(found), entry, boundary: None, coordinate_system })
     }
 
     fn winding(&self) -> Winding {

@@ -252,9 +252,7 @@ impl DiskState {
         let pending = index.pending(&lock(&self.shelf));
         index.write(&pending);
     }
-}
 
-impl DiskState {
     /// Writes the order of use and releases the folder; nothing is written afterwards. Blocks.
     pub(super) fn close(&self) {
         let mut index = lock(&self.index);
