@@ -29,6 +29,12 @@ impl KeptWork {
     pub fn usage(&self) -> Usage {
         lock(&self.shelf).usage()
     }
+
+    /// Returns the work of these tenants.
+    pub fn of(&self, owners: &Owners) -> WorkOf<'_> {
+        let scope = (*owners != Owners::default()).then(|| content(format!("{owners:?}").as_bytes()));
+        WorkOf { kept: self, scope }
+    }
 }
 
 /// The work kept for one set of tenants. Work of other tenants is not reused, since the time saved would reveal what
@@ -38,14 +44,6 @@ pub struct WorkOf<'a> {
     kept: &'a KeptWork,
     /// Prefix hashed into the keys; `None` for the public tenant.
     scope: Option<Key>,
-}
-
-impl KeptWork {
-    /// Returns the work of these tenants.
-    pub fn of(&self, owners: &Owners) -> WorkOf<'_> {
-        let scope = (*owners != Owners::default()).then(|| content(format!("{owners:?}").as_bytes()));
-        WorkOf { kept: self, scope }
-    }
 }
 
 impl WorkOf<'_> {

@@ -107,10 +107,6 @@ impl BatchAnswer {
     /// Creates the answer without the items.
     pub fn brief(standing: &BatchStanding) -> Self {
         let (batch, id) = (&standing.batch, standing.batch.batch.id);
-        let error = match &standing.phase {
-            JobPhase::Failed(reason) => Some(reason.clone()),
-            _ => None,
-        };
         Self {
             id: id.to_string(),
             state: state(&standing.phase),
@@ -119,7 +115,7 @@ impl BatchAnswer {
             attempts: batch.attempts,
             priority: batch.terms.priority.name(),
             archive: standing.phase.is_settled().then(|| format!("/v1/batches/{id}/archive.zip")),
-            error,
+            error: standing.phase.reason().map(str::to_owned),
             items: None,
         }
     }

@@ -134,10 +134,6 @@ impl JobAnswer {
         let record = &standing.record;
         let outputs = record.summary.products.iter().zip(&record.made);
         let outputs = outputs.map(|(product, made)| OutputAnswer::new(product, made.as_ref(), href(product)));
-        let error = match &standing.phase {
-            JobPhase::Failed(reason) => Some(reason.clone()),
-            _ => None,
-        };
         Self {
             id: record.job.id.to_string(),
             progress: ProgressAnswer::new(standing),
@@ -147,7 +143,7 @@ impl JobAnswer {
             cost: CostAnswer::from(&record.summary.cost),
             actual: ActualAnswer::new(standing),
             outputs: outputs.collect(),
-            error,
+            error: standing.phase.reason().map(str::to_owned),
             warnings: warnings(record.made.iter().flatten()),
             reached: record.summary.reached.map(ReachedAnswer::from),
         }

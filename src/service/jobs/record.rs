@@ -138,21 +138,6 @@ impl JobState {
     }
 }
 
-impl Record {
-    /// Returns how long the job waits after a start of the process before it is queued again. The pause lets other jobs
-    /// finish before a job that ends the process, and spares an innocent job further starts in short-lived processes.
-    pub fn pause(&self) -> Duration {
-        let doublings = self.starts.saturating_sub(2).min(MAX_STARTS);
-        Duration::from_secs(if self.starts < 2 { 0 } else { FIRST_PAUSE_S << doublings })
-    }
-
-    /// Returns whether results of the job that are no longer stored may be made again on request: the job is active or
-    /// done.
-    pub fn may_be_made_again(&self) -> bool {
-        matches!(self.state, JobState::Active | JobState::Done)
-    }
-}
-
 /// One party that wants a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Holder {
@@ -238,6 +223,19 @@ pub struct Record {
 }
 
 impl Record {
+    /// Returns how long the job waits after a start of the process before it is queued again. The pause lets other jobs
+    /// finish before a job that ends the process, and spares an innocent job further starts in short-lived processes.
+    pub fn pause(&self) -> Duration {
+        let doublings = self.starts.saturating_sub(2).min(MAX_STARTS);
+        Duration::from_secs(if self.starts < 2 { 0 } else { FIRST_PAUSE_S << doublings })
+    }
+
+    /// Returns whether results of the job that are no longer stored may be made again on request: the job is active or
+    /// done.
+    pub fn may_be_made_again(&self) -> bool {
+        matches!(self.state, JobState::Active | JobState::Done)
+    }
+
     /// Returns whether the job waits or runs.
     pub fn is_active(&self) -> bool {
         self.state == JobState::Active

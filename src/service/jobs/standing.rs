@@ -46,6 +46,11 @@ impl JobPhase {
     pub fn is_settled(&self) -> bool {
         !matches!(self, Self::Queued | Self::Running)
     }
+
+    /// Returns why the job failed, if it did.
+    pub fn reason(&self) -> Option<&str> {
+        if let Self::Failed(reason) = self { Some(reason) } else { None }
+    }
 }
 
 /// The status of a job at one moment.
