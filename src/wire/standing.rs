@@ -219,12 +219,9 @@ impl From<&Predicted> for CostAnswer {
 impl ActualAnswer {
     fn new(standing: &Standing) -> Option<Self> {
         let made = standing.record.made.iter().flatten();
-        let bytes: Vec<u64> = made
-            .filter_map(|made| match made {
-                OutputResult::Done { bytes, .. } => Some(*bytes),
-                OutputResult::Failed(_) => None,
-            })
-            .collect();
+        let of_one =
+            |made: &OutputResult| if let OutputResult::Done { bytes, .. } = made { Some(*bytes) } else { None };
+        let bytes: Vec<u64> = made.filter_map(of_one).collect();
         let TimingsAnswer { refine, render, encode, .. } = standing.timings.into();
         (!bytes.is_empty()).then(|| Self { time_ms: refine + render + encode, bytes: bytes.iter().sum() })
     }
