@@ -18,7 +18,6 @@ use super::variants::coded;
 use super::{address, body};
 use crate::job::key::Key;
 use crate::job::{Form, Inquiry, KeepWork, Report, RunError};
-use crate::service::computation::Phase;
 use crate::service::task::{Cost, Task};
 use crate::watch::Watch;
 use crate::wire::analysis::{AnalysisAnswer, AnalysisRequest};
@@ -91,14 +90,10 @@ pub(super) async fn made(
         }
     }
     let interest = app.desk.compute(task, client.peer())?;
-    match interest.computation.finished().await {
-        Phase::Done(outcome) => {
-            let found = Artifact::made(&outcome, interest.provenance, client.peer());
-            Ok(whole(app, headers, found, (&key, extension)).await?)
-        }
-        Phase::Failed(failure) => Err(Problem::of_failure(failure, |refused| refused.fault)),
-        Phase::Queued | Phase::Running => Err(Problem::cancelled()),
-    }
+    let outcome = interest.computation.outcome().await;
+    let outcome = outcome.map_err(|failure| Problem::of_failure(failure, |refused| refused.fault))?;
+    let found = Artifact::made(&outcome, interest.provenance, client.peer());
+    Ok(whole(app, headers, found, (&key, extension)).await?)
 }
 
 async fn whole(
@@ -122,12 +117,8 @@ impl Task for AnalysisTask {
     }
 
     fn cost(&self) -> Cost {
-        Cost {
-            memory_bytes: self.0.bytes().into(),
-            time_ms: self.0.milliseconds().into(),
-            work: self.0.work().into(),
-            result_bytes: ANALYSIS_ANSWER_BYTES,
-        }
+        let [memory_bytes, work, time_ms] = self.0.cost().map(u128::from);
+        Cost { memory_bytes, time_ms, work, result_bytes: ANALYSIS_ANSWER_BYTES }
     }
 
     fn media_type(&self) -> &'static str {

@@ -19,7 +19,6 @@ use super::working::{self, ParsedJob};
 use crate::job::Form;
 use crate::job::key::Key;
 use crate::output::{FORMATS, Format};
-use crate::service::computation::Phase;
 use crate::service::job_key::Tenant;
 use crate::service::jobs::Record;
 use crate::service::peer::Peer;
@@ -133,13 +132,9 @@ pub(super) async fn made_again(app: &Arc<App>, peer: Peer, tenant: Tenant, key: 
     let gone = || Problem::new(problem::GONE, "the job of this artifact has become another one; send it again");
     let task = work.tasks.into_iter().find(|task| task.key() == *key).ok_or_else(gone)?;
     let interest = app.desk.compute(task.clone(), peer)?;
-    match interest.computation.finished().await {
-        Phase::Done(outcome) => Ok(Artifact::made(&outcome, interest.provenance, peer)),
-        Phase::Failed(failure) => Err(Problem::of_failure(failure, |fault| task.fault(fault))),
-        Phase::Queued | Phase::Running => {
-            Err(Problem::new(problem::GONE, "the artifact left the cache; send its job again"))
-        }
-    }
+    let outcome = interest.computation.outcome().await;
+    let outcome = outcome.map_err(|failure| Problem::of_failure(failure, |fault| task.fault(fault)))?;
+    Ok(Artifact::made(&outcome, interest.provenance, peer))
 }
 
 /// Returns the request of a job that made the artifact of this key, and the format of its first output. Artifacts that

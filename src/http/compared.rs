@@ -16,7 +16,6 @@ use crate::fault::{Fault, shortened, under};
 use crate::input::Alone;
 use crate::job::key::Key;
 use crate::job::{PngFile, Side};
-use crate::service::computation::Phase;
 use crate::service::peer::{Paid, Peer};
 use crate::service::store::Manifest;
 use crate::service::task::Render;
@@ -152,17 +151,13 @@ async fn of_job(app: &Arc<App>, peer: Peer, job: &Value) -> Result<FoundSide, Pr
         return Ok(FoundSide { side: Side::Shape(admitted), paid: input });
     }
     let interest = app.desk.compute(Arc::new(Render::new(admitted, 0, Some(input))), peer)?;
-    match interest.computation.finished().await {
-        Phase::Done(outcome) => {
-            let (bytes, paid) = match &outcome.loose {
-                Some(bytes) => (bytes.to_vec(), app.desk.charge_body(peer, bytes.len() as u64)?),
-                None => whole(app, peer, &outcome.manifest).await?,
-            };
-            picture(bytes, paid, true).map_err(|detail| Problem::invalid(vec![Fault::new("", detail)]))
-        }
-        Phase::Failed(failure) => Err(Problem::of_failure(failure, |refused| entries.fault(refused))),
-        Phase::Queued | Phase::Running => Err(Problem::cancelled()),
-    }
+    let outcome = interest.computation.outcome().await;
+    let outcome = outcome.map_err(|failure| Problem::of_failure(failure, |refused| entries.fault(refused)))?;
+    let (bytes, paid) = match &outcome.loose {
+        Some(bytes) => (bytes.to_vec(), app.desk.charge_body(peer, bytes.len() as u64)?),
+        None => whole(app, peer, &outcome.manifest).await?,
+    };
+    picture(bytes, paid, true).map_err(|detail| Problem::invalid(vec![Fault::new("", detail)]))
 }
 
 /// Returns the refusal because bytes have just left the cache.

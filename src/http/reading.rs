@@ -17,7 +17,6 @@ use crate::job::key::Key;
 use crate::job::limits::Admitted;
 use crate::job::{Draft, Job, KeepWork, Report, RunError, Search, SearchError};
 use crate::math::amounts::in_bytes;
-use crate::service::computation::Phase;
 use crate::service::peer::{Paid, Peer, QuotaKind};
 use crate::service::pool::{Lack, Lane};
 use crate::service::task::{Cost, Task};
@@ -161,18 +160,14 @@ pub(super) async fn first_part(
         return Err(too_large(what, u64::try_from(needs).unwrap_or(u64::MAX), has));
     }
     let interest = app.desk.compute(task, peer)?;
-    match interest.computation.finished().await {
-        Phase::Done(outcome) => {
-            let bytes = match &outcome.loose {
-                Some(bytes) => Some(bytes.clone()),
-                None => app.desk.tiers.part(&outcome.manifest, 0).await,
-            };
-            Ok(bytes.map(|bytes| (bytes, false)))
-        }
-        // there are no outputs whose faults would need other pointers
-        Phase::Failed(failure) => Err(Problem::of_failure(failure, |refused| refused.fault)),
-        Phase::Queued | Phase::Running => Err(Problem::cancelled()),
-    }
+    let outcome = interest.computation.outcome().await;
+    // there are no outputs whose faults would need other pointers
+    let outcome = outcome.map_err(|failure| Problem::of_failure(failure, |refused| refused.fault))?;
+    let bytes = match &outcome.loose {
+        Some(bytes) => Some(bytes.clone()),
+        None => app.desk.tiers.part(&outcome.manifest, 0).await,
+    };
+    Ok(bytes.map(|bytes| (bytes, false)))
 }
 
 /// The result of a search as it is stored; refusals are stored like results.

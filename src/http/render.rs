@@ -22,7 +22,6 @@ use super::{jobs, reading, streaming, working};
 use crate::job::ResolvedLevel;
 use crate::job::key::Key;
 use crate::job::limits::Admitted;
-use crate::service::computation::Phase;
 use crate::service::driving::{self, stored_result};
 use crate::service::job_key::JobKey;
 use crate::service::peer::Paid;
@@ -201,16 +200,16 @@ async fn made(
     }
     let interest = app.desk.compute(Arc::new(Render::new(admitted.clone(), 0, Some(input))), client.peer())?;
     let computation = interest.computation.clone();
-    match tokio::time::timeout(patience, computation.finished()).await {
-        Ok(Phase::Done(outcome)) => {
+    match tokio::time::timeout(patience, computation.outcome()).await {
+        Ok(Ok(outcome)) => {
             if refers {
                 app.desk.record(id, summary(&sent), vec![driving::computed_result(&outcome)], client.peer())?;
             }
             let found = Artifact::made(&outcome, interest.provenance, client.peer());
             Ok(whole(app, headers, found, &known).await?)
         }
-        Ok(Phase::Failed(failure)) => Err(Problem::of_failure(failure, |fault| entries.fault(fault))),
-        Ok(Phase::Queued | Phase::Running) | Err(_) => {
+        Ok(Err(failure)) => Err(Problem::of_failure(failure, |fault| entries.fault(fault))),
+        Err(_) => {
             app.desk.detach(id, summary(&sent), interest, (client.peer(), entries)).await?;
             jobs::later(app, &id, said.then_some(patience.as_secs()))
         }

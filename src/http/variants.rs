@@ -10,7 +10,6 @@ use super::answer::{Artifact, ArtifactForm, PartReader};
 use super::app::App;
 use super::negotiate;
 use crate::output::{Content, FORMATS};
-use crate::service::computation::Phase;
 use crate::service::store::Manifest;
 use crate::service::variant::{Coding, Compress};
 
@@ -59,9 +58,8 @@ async fn made(app: &Arc<App>, found: &Artifact, coding: Coding) -> Option<Arc<Ma
     let parts = PartReader::of(app, found.peer, found.manifest.clone()).ok()?.all().await.ok()?;
     let task = Arc::new(Compress::new(&found.manifest.key, coding, parts));
     let interest = app.desk.compute(task, found.peer).ok()?;
-    let phase = tokio::time::timeout(VARIANT_PATIENCE, interest.computation.finished()).await;
-    match phase {
-        Ok(Phase::Done(outcome)) if outcome.loose.is_none() => Some(outcome.manifest.clone()),
+    match tokio::time::timeout(VARIANT_PATIENCE, interest.computation.outcome()).await {
+        Ok(Ok(outcome)) if outcome.loose.is_none() => Some(outcome.manifest.clone()),
         Ok(_) => None,
         Err(_) => {
             // the variant is finished for the next request

@@ -42,30 +42,13 @@ impl Inquiry {
         form.key(key)
     }
 
-    /// Returns an upper bound of the memory in bytes.
-    pub fn bytes(&self) -> u64 {
+    /// Returns upper bounds of the memory in bytes and of the work in the units of the watch, and the approximate time
+    /// in milliseconds on one core.
+    pub fn cost(&self) -> [u64; 3] {
         match self {
-            Self::Curve(analysis) => analysis.bytes(),
-            Self::Surface(analysis) => analysis.bytes(),
-            Self::Tube(analysis) => analysis.bytes(),
-        }
-    }
-
-    /// Returns an upper bound of the work, in the units of the watch.
-    pub fn work(&self) -> u64 {
-        match self {
-            Self::Curve(analysis) => analysis.work(),
-            Self::Surface(analysis) => analysis.work(),
-            Self::Tube(analysis) => analysis.work(),
-        }
-    }
-
-    /// Returns the approximate time in milliseconds on one core.
-    pub fn milliseconds(&self) -> u64 {
-        match self {
-            Self::Curve(analysis) => analysis.milliseconds(),
-            Self::Surface(analysis) => analysis.milliseconds(),
-            Self::Tube(analysis) => analysis.milliseconds(),
+            Self::Curve(analysis) => [analysis.bytes(), analysis.work(), analysis.milliseconds()],
+            Self::Surface(analysis) => [analysis.bytes(), analysis.work(), analysis.milliseconds()],
+            Self::Tube(analysis) => [analysis.bytes(), analysis.work(), analysis.milliseconds()],
         }
     }
 }

@@ -163,6 +163,18 @@ impl Computation {
         last.unwrap_or_else(|_| self.phase())
     }
 
+    /// Waits for the end: what was made, or why nothing was. A computation has an end as long as it is held.
+    ///
+    /// # Errors
+    /// [`Failure`].
+    pub async fn outcome(&self) -> Result<Arc<Outcome>, Failure> {
+        match self.finished().await {
+            Phase::Done(outcome) => Ok(outcome),
+            Phase::Failed(failure) => Err(failure),
+            Phase::Queued | Phase::Running => Err(Failure::Cancelled),
+        }
+    }
+
     /// Returns the fraction of the work done, from 0 to 0.99.
     #[expect(clippy::cast_precision_loss, reason = "a share needs few digits")]
     pub fn progress(&self) -> f64 {
