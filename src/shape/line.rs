@@ -62,6 +62,21 @@ pub(super) fn lines_across(sides: [VertexLine; 4], inner: usize) -> impl Fn(usiz
     }
 }
 
+/// Returns the lines across a triangle, by their distance from its first side. `sides` are its sides, counter-clockwise,
+/// and `inner` is the index of its first inner vertex: row by row, the inner vertices are numbered consecutively.
+pub(super) fn lines_across_triangle(sides: [VertexLine; 3], inner: usize) -> impl Fn(usize) -> VertexLine {
+    let [lower, slope, left] = sides;
+    let n = lower.n;
+    move |j| {
+        let (second, step) = match j {
+            0 => (lower.second, lower.step),
+            // the rows before have n - 2, n - 3, ... inner vertices
+            j => (index(inner + (j - 1) * (n - 1) - j * (j - 1) / 2), 1),
+        };
+        VertexLine { n: n - j, first: left.at(n - j), last: slope.at(j), second, step }
+    }
+}
+
 /// Fills `out` with quads, row by row from quad `first`: row `j` lies between lines `j` and `j + 1`, which have `n`
 /// pieces. Each quad starts at the lower line and is counter-clockwise.
 pub(super) fn quads(n: usize, first: usize, mut out: &mut [[u32; 4]], line: impl Fn(usize) -> VertexLine) {
@@ -123,13 +138,11 @@ pub(super) fn triangles(
     line: impl Fn(usize) -> VertexLine,
 ) {
     let (mut j, mut from) = (row, first);
-    let mut lower = line(j);
     while !out.is_empty() {
-        let upper = line(j + 1);
         let row;
         (row, out) = out.split_at_mut((2 * (n - j) - 1 - from).min(out.len()));
-        row_of_triangles(&lower, &upper, from, row);
-        (lower, j, from) = (upper, j + 1, 0);
+        row_of_triangles(&line(j), &line(j + 1), from, row);
+        (j, from) = (j + 1, 0);
     }
 }
 

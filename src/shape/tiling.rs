@@ -75,10 +75,13 @@ impl<'a> Tiling<'a> {
                 let at = if forward { at } else { self.pieces - at };
                 index(self.parent.n_vertices() + edge * (self.pieces - 1) + at - 1)
             }
-            TilePosition::Inside(number) => {
-                index(self.first_inner() + face * self.tile.inner_vertices(self.pieces) + number)
-            }
+            TilePosition::Inside(number) => index(self.first_inside(face) + number),
         }
+    }
+
+    /// Returns the first vertex inside a face.
+    pub(super) fn first_inside(&self, face: usize) -> usize {
+        self.first_inner() + face * self.tile.inner_vertices(self.pieces)
     }
 
     /// Returns the vertices of a face after the split; for a triangle, only the first three are used.

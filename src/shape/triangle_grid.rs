@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use super::line::{VertexLine, triangles};
+use super::line::{VertexLine, lines_across_triangle, triangles};
 use super::source::Origin;
 use super::tile::Tile;
 use super::tiling::{Ancestor, Tiling};
@@ -74,8 +74,9 @@ impl TriangleGrid {
             let patch;
             (patch, out) = out.split_at_mut((n * n - local).min(out.len()));
             f += patch.len();
-            let line = |j: usize| VertexLine::new(n - j, |i| whole.vertex(base_face, [i, j]));
-            triangles(n, Tile::Triangle.row(n, local), patch, line);
+            let side = |side| VertexLine::new(n, |at| whole.vertex(base_face, Tile::Triangle.along(n, side, at)));
+            let lines = lines_across_triangle([0, 1, 2].map(side), whole.first_inside(base_face));
+            triangles(n, Tile::Triangle.row(n, local), patch, lines);
         }
     }
 
