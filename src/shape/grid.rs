@@ -129,8 +129,8 @@ impl QuadGrid {
             f += patch.len();
             if is_quad {
                 let first = self.base.half_edges(base_face).start;
-                let sides = [0, 1, 2, 3].map(|side| self.side(first + side));
-                quads(n, local, patch, lines_across(sides, self.first_inner() + self.inner[base_face] as usize));
+                let sides = [self.side(first), self.side(first + 1), self.side(first + 2), self.side(first + 3)];
+                quads(n, local, patch, lines_across(&sides, self.first_inner() + self.inner[base_face] as usize));
             } else {
                 let sides = [0, 1, 2, 3].map(|side| {
                     VertexLine::new(n, |at| {
@@ -138,7 +138,7 @@ impl QuadGrid {
                         self.part_vertex(base_face, part, i, j)
                     })
                 });
-                quads(n, local, patch, lines_across(sides, self.first_inside_part(base_face, part) as usize));
+                quads(n, local, patch, lines_across(&sides, self.first_inside_part(base_face, part) as usize));
             }
         }
     }

@@ -48,7 +48,7 @@ impl VertexLine {
 
 /// Returns the lines across a quad, by their distance from its first side. `sides` are its sides, counter-clockwise,
 /// and `inner` is the index of its first inner vertex: row by row, the inner vertices are numbered consecutively.
-pub(super) fn lines_across(sides: [VertexLine; 4], inner: usize) -> impl Fn(usize) -> VertexLine {
+pub(super) fn lines_across(sides: &[VertexLine; 4], inner: usize) -> impl Fn(usize) -> VertexLine {
     let [lower, right, upper, left] = sides;
     let n = lower.n;
     move |j| {
@@ -64,7 +64,7 @@ pub(super) fn lines_across(sides: [VertexLine; 4], inner: usize) -> impl Fn(usiz
 
 /// Returns the lines across a triangle, by their distance from its first side. `sides` are its sides, counter-clockwise,
 /// and `inner` is the index of its first inner vertex: row by row, the inner vertices are numbered consecutively.
-pub(super) fn lines_across_triangle(sides: [VertexLine; 3], inner: usize) -> impl Fn(usize) -> VertexLine {
+pub(super) fn lines_across_triangle(sides: &[VertexLine; 3], inner: usize) -> impl Fn(usize) -> VertexLine {
     let [lower, slope, left] = sides;
     let n = lower.n;
     move |j| {

@@ -234,8 +234,13 @@ impl Topology {
     /// edge.
     #[inline]
     pub fn ring(&self, v: usize) -> Ring<'_> {
-        let start = self.outgoing[v];
-        Ring::from(self, start)
+        Ring::from(self, self.ring_start(v))
+    }
+
+    /// Returns the half-edge with which the [`ring`](Self::ring) of vertex `v` begins, or [`NONE`] if it has no face.
+    #[inline]
+    pub fn ring_start(&self, v: usize) -> u32 {
+        self.outgoing[v]
     }
 
     /// Returns whether vertex `v` has no face.

@@ -75,8 +75,8 @@ impl TriangleGrid {
             (patch, out) = out.split_at_mut((n * n - local).min(out.len()));
             f += patch.len();
             let side = |side| VertexLine::new(n, |at| whole.vertex(base_face, Tile::Triangle.along(n, side, at)));
-            let lines = lines_across_triangle([0, 1, 2].map(side), whole.first_inside(base_face));
-            triangles(n, Tile::Triangle.row(n, local), patch, lines);
+            let (sides, inner) = ([0, 1, 2].map(side), whole.first_inside(base_face));
+            triangles(n, Tile::Triangle.row(n, local), patch, lines_across_triangle(&sides, inner));
         }
     }
 

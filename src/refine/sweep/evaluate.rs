@@ -268,7 +268,7 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
             let stencil = &self.stencils.stars[kind];
             let (value, sectors) = self.values(stencil, |point| self.points[star[point] as usize]);
             buffers.values[self.at(rows.start, place)] = value;
-            if !sectors.is_empty() && surface.patches.ring(v).next() == Some(half_edge) {
+            if !sectors.is_empty() && surface.patches.ring_start(v) == half_edge {
                 let beside = |&(point, sector): &(usize, usize)| ([star[0], star[point]], sectors[sector]);
                 buffers.sides.extend(stencil.sides.iter().map(beside));
             }
@@ -301,7 +301,7 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
                 let v = order.vertex(patch, place);
                 if is_inner || v as usize >= surface.base.n_vertices() {
                     task.places(v as usize, 1).into_iter().flatten().for_each(|place| *place = value);
-                } else if surface.patches.ring(corner).next() == Some(half_edge) {
+                } else if surface.patches.ring_start(corner) == half_edge {
                     task.vertices.push((v, value));
                 }
             }

@@ -120,6 +120,8 @@ pub(super) struct Worker<const W: usize> {
     stars: Vec<[f64; W]>,
     work: StarWork<W>,
     lines: Vec<GridLine>,
+    /// Whether the patches that are being refined have neither stars nor lines.
+    is_plain: bool,
     /// Number of faces that the watch does not know of yet.
     unreported: u64,
 }
@@ -168,6 +170,7 @@ impl<const W: usize> SweepRun<'_, W> {
         let sweep = self.sweep;
         let size = sweep.size(0, W);
         let len = patches.len() * size.len();
+        worker.is_plain = patches.clone().all(|patch| sweep.surface.is_plain(patch));
         at_least(&mut worker.planes.now[0], len);
         worker.planes.now[0][..len].fill(0.0);
         for (place, patch) in patches.clone().enumerate() {
@@ -225,11 +228,15 @@ impl<const W: usize> SweepRun<'_, W> {
         let sweep = self.sweep;
         let size = sweep.size(round, W);
         worker.lines.clear();
-        (0..grids).for_each(|place| self.lines((size.cells, place), block.at_place(place), &mut worker.lines));
+        if !worker.is_plain {
+            (0..grids).for_each(|place| self.lines((size.cells, place), block.at_place(place), &mut worker.lines));
+        }
         let passes = &self.flat.of(sweep.surface.is_turned(block.patch))[round];
         worker.planes.refine(passes, size, grids, &worker.lines);
-        for place in 0..grids {
-            self.overlay_corners(round, size.stacked(place), block.at_place(place), worker);
+        if !worker.is_plain {
+            for place in 0..grids {
+                self.overlay_corners(round, size.stacked(place), block.at_place(place), worker);
+            }
         }
         if round + 1 == sweep.rounds.len() {
             worker.unreported += 4 * (grids * size.cells * size.cells) as u64;

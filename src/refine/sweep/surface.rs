@@ -158,6 +158,12 @@ impl PatchSurface {
         if self.patches.twin(half_edge) == NONE { Some(0) } else { self.line_of(self.patches.edge(half_edge)) }
     }
 
+    /// Returns whether the grid is regular around all corners of a patch. Then no line runs along its sides either, as
+    /// the grid is not regular at the ends of a line.
+    pub(super) fn is_plain(&self, patch: usize) -> bool {
+        self.patches.half_edges(patch).all(|side| self.kind_of[self.patches.vertex(side) as usize] == NONE)
+    }
+
     /// Returns everything whose sharpness decays, as lines: edges and vertices.
     pub(super) fn softening(&self) -> Vec<SharpSide> {
         let corners = self.kinds.iter().map(|kind| SharpSide::Crease(f64::from_bits(kind.corner)));

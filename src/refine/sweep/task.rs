@@ -115,7 +115,7 @@ impl<const W: usize> BlockReceiver<W> for PatchRun<'_, W> {
                 let corner = surface.patches.vertex(half_edge) as usize;
                 if corner >= surface.base.n_vertices() {
                     self.places(vertex(0), 1).into_iter().flatten().for_each(|place| *place = point(0));
-                } else if surface.patches.ring(corner).next() == Some(half_edge) {
+                } else if surface.patches.ring_start(corner) == half_edge {
                     self.vertices.push((index(corner), point(0)));
                 }
             }
