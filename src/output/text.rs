@@ -186,6 +186,27 @@ impl IndexText {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::numbers::real;
+
+    #[test]
+    fn rows_of_reals_are_their_numbers_one_by_one() {
+        let style = RowStyle { start: b"vn", open: b' ', between: b',', end: b"\n" };
+        let numbers = [0.0, -0.0, 1.0, -2.5, 0.1, -1.0 / 3.0, 1e15, 1e16, 2_f64.powi(63), 5e-324, f64::MIN, 1e-7, 42.0];
+        for row in numbers.windows(3).chain([&numbers[..], &[], &numbers[..4], &numbers[..5]]) {
+            let mut expected = b"vn".to_vec();
+            for (k, &x) in row.iter().enumerate() {
+                expected.push(if k > 0 { b',' } else { b' ' });
+                real(&mut expected, x);
+            }
+            expected.push(b'\n');
+            let mut appended = b"before".to_vec();
+            style.reals(row, &mut appended);
+            assert_eq!(appended, [b"before", &expected[..]].concat(), "{row:?}");
+            let mut made = Bytes::default();
+            style.vectors([row, row].into_iter(), &mut made);
+            assert_eq!(made.made(), expected.repeat(2), "{row:?}");
+        }
+    }
 
     #[test]
     fn indices_are_written_alike_whether_they_follow_each_other_or_not() {

@@ -237,6 +237,7 @@ impl QuadGrid {
 
     /// Returns the vertex at `[i, j]` of a patch, each from 0 to the pieces of its side. A patch is a base face if all
     /// base faces are quads, else a face of the base's first split.
+    #[inline]
     pub fn patch_vertex(&self, patch: usize, [i, j]: [usize; 2]) -> u32 {
         if self.is_quads {
             return self.quad_vertex(patch, i, j);

@@ -62,8 +62,9 @@ pub(super) fn lines_across(sides: &[VertexLine; 4], inner: usize) -> impl Fn(usi
     }
 }
 
-/// Returns the lines across a triangle, by their distance from its first side. `sides` are its sides, counter-clockwise,
-/// and `inner` is the index of its first inner vertex: row by row, the inner vertices are numbered consecutively.
+/// Returns the lines across a triangle, by their distance from its first side. `sides` are its sides,
+/// counter-clockwise, and `inner` is the index of its first inner vertex: row by row, the inner vertices are numbered
+/// consecutively.
 pub(super) fn lines_across_triangle(sides: &[VertexLine; 3], inner: usize) -> impl Fn(usize) -> VertexLine {
     let [lower, slope, left] = sides;
     let n = lower.n;
@@ -110,8 +111,8 @@ fn row_of_quads(lower: &VertexLine, upper: &VertexLine, from: usize, row: &mut [
 
 /// Fills `out` with quads between two lines of evenly spaced vertices, from the vertices `starts` on.
 ///
-/// The arguments fit into registers. A wide load from memory that narrow stores have just filled would wait until these,
-/// and with them all quads of the row before, have left the processor for its cache.
+/// The arguments fit into registers. A wide load from memory that narrow stores have just filled would wait until
+/// these, and with them all quads of the row before, have left the processor for its cache.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn evenly_spaced(starts: [u32; 2], steps: [u32; 2], out: &mut [[u32; 4]]) {
     let vertex = |line: usize, i: u32| starts[line].wrapping_add(steps[line].wrapping_mul(i));

@@ -130,7 +130,8 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
     fn band(&self, patch: usize, rows: Range<usize>, buffers: &mut BandBuffers<W>, task: &mut PatchRun<'_, W>) {
         let len = (ROWS_PER_BAND + 2) * (self.n + 3);
         at_least(&mut buffers.points, len * W);
-        self.gather(patch, &rows, |v| self.points[v as usize], buffers.points.as_chunks_mut().0);
+        let copy = |first: u32, out: &mut [[f64; W]]| out.copy_from_slice(&self.points[first as usize..][..out.len()]);
+        self.gather(patch, &rows, copy, buffers.points.as_chunks_mut().0);
         buffers.functionals.resize_with(self.masks.len(), Vec::new);
         for (mask, out) in self.masks.iter().zip(&mut buffers.functionals) {
             at_least(out, len * W);
@@ -162,8 +163,9 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
         }
     }
 
-    /// Gathers `of(v)` for the points in `rows` and in the rows next to them.
-    pub(super) fn gather<T>(&self, patch: usize, rows: &Range<usize>, of: impl Fn(u32) -> T, buffer: &mut [T]) {
+    /// Gathers entries for the points in `rows` and in the rows next to them; `fill` fills a slice with those of
+    /// consecutive points from its first argument on.
+    pub(super) fn gather<T>(&self, patch: usize, rows: &Range<usize>, fill: impl Fn(u32, &mut [T]), buffer: &mut [T]) {
         let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
         let tile = surface.tile;
         let reach = rows.start.cast_signed() - 1..rows.end.cast_signed() + 1;
@@ -172,12 +174,12 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
             if len > 0 {
                 let place = [1, j.cast_signed()];
                 let (first, at) = (order.vertex(patch, place), self.at(rows.start, place));
-                buffer[at..at + len].iter_mut().zip(first..).for_each(|(slot, v)| *slot = of(v));
+                fill(first, &mut buffer[at..at + len]);
             }
         }
         let mut put = |place: [isize; 2], v: u32| {
             if reach.contains(&place[1]) {
-                buffer[self.at(rows.start, place)] = of(v);
+                fill(v, std::slice::from_mut(&mut buffer[self.at(rows.start, place)]));
             }
         };
         for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {

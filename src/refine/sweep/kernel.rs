@@ -65,6 +65,10 @@ impl FlatMask {
             ([2, 2], false) => two_pairs(out, [w(0), w(1)], [two(0), two(1)]),
             ([2, 2], true) => add_two_pairs(out, [w(0), w(1)], [two(0), two(1)]),
             ([4, 4], true) => add_two_quads(out, [w(0), w(1)], [four(0), four(1)]),
+            (sizes, false) if sizes.len() > 1 && sizes.iter().all(|&size| size == 1) => {
+                let terms: Vec<(f64, &[f64])> = (0..sizes.len()).map(|g| (w(g), slice(g, 0))).collect();
+                singles(out, &terms);
+            }
             // adding group by group gives the same sum as long as the first group starts it
             (sizes @ [_, rest @ ..], _)
                 if sizes.iter().all(|size| matches!(size, 1 | 2 | 4 | 6)) && (rest.is_empty() || !adds) =>
@@ -218,6 +222,29 @@ fn add_two_quads(out: &mut [f64], w: [f64; 2], quads: [[&[f64]; 4]; 2]) {
     let [[a, b, c, d], [e, f, g, h]] = quads.map(|quad| quad.map(|x| &x[..n]));
     for k in 0..n {
         out[k] += w[0] * ((a[k] + c[k]) + (b[k] + d[k])) + w[1] * ((e[k] + g[k]) + (f[k] + h[k]));
+    }
+}
+
+/// Values that [`singles`] sums at a time, in four of the widest registers. With half of it the weights are loaded twice
+/// as often; twice of it takes all registers of smaller ones.
+const SINGLES: usize = 32;
+
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
+fn singles(out: &mut [f64], terms: &[(f64, &[f64])]) {
+    let (blocks, rest) = out.as_chunks_mut::<SINGLES>();
+    let end = SINGLES * blocks.len();
+    for (start, block) in (0..).step_by(SINGLES).zip(blocks) {
+        let mut sums = [-0.0; SINGLES];
+        for (w, a) in terms {
+            let a = &a[start..start + SINGLES];
+            for k in 0..SINGLES {
+                sums[k] += w * a[k];
+            }
+        }
+        *block = sums;
+    }
+    for (k, x) in (end..).zip(rest) {
+        *x = terms.iter().fold(-0.0, |sum, (w, a)| sum + w * a[k]);
     }
 }
 

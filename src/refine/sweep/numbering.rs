@@ -45,8 +45,8 @@ impl SplitOrder {
 
     /// Returns the index of a point of a patch. A patch is a base face if the base has only quads or only triangles,
     /// else a face of the first split of the base.
-    pub(super) fn vertex(&self, patch: usize, place: [isize; 2]) -> u32 {
-        let place = place.map(isize::cast_unsigned);
+    pub(super) fn vertex(&self, patch: usize, [i, j]: [isize; 2]) -> u32 {
+        let place = [i.cast_unsigned(), j.cast_unsigned()];
         match &self.quads {
             Some(grid) => grid.patch_vertex(patch, place),
             None => self.triangles().vertex(patch, place),

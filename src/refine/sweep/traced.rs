@@ -44,7 +44,12 @@ impl Sweep {
                 for first in (0..=run.n).step_by(ROWS_PER_BAND) {
                     watch.check()?;
                     let rows = first..(first + ROWS_PER_BAND).min(run.n + 1);
-                    run.gather(patch, &rows, |v| v, &mut points);
+                    run.gather(
+                        patch,
+                        &rows,
+                        |first, out| out.iter_mut().zip(first..).for_each(|(slot, v)| *slot = v),
+                        &mut points,
+                    );
                     trace.band(patch, &rows, &points, &mut numbers);
                     run.emit(patch, &rows, &numbers, &mut task);
                 }
