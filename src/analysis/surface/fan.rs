@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::layout;
-use super::local::{Applied, Followed, rows, with_margin};
+use super::local::{Applied, FollowedNet, rows, with_margin};
 use super::sectors::{LatticePoint, NetKind, WEIGHT_ROUNDING};
 use super::star::{SectorPoint, Star};
 use crate::analysis::limit::{Centre, Unlimited};
@@ -146,7 +146,7 @@ impl Applied {
             FanBoundary::Nothing => Fan::open(self, m, side),
             FanBoundary::Faces => Fan::creased(self, m, side),
         };
-        let Followed { topology, centre, record, layout } = self.followed(net, Centre::Vertex(0), watch)?;
+        let FollowedNet { topology, centre, record, layout } = self.followed(net, Centre::Vertex(0), watch)?;
         let Centre::Vertex(middle) = centre else { return Err(Unlimited::Lost) };
         let mut starts: Vec<u32> = topology.ring(middle as usize).collect();
         if beyond == FanBoundary::Faces {

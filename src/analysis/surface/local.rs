@@ -88,7 +88,7 @@ impl Applied {
         let star = Star::new(self.kind, n, side);
         let net = star.net.clone();
         let net = if self.tagged { net.carrying(None, Some(star.latitude_lines(self.kind))) } else { net };
-        let Followed { topology, centre, record, layout } = self.followed(net, star.centre, watch)?;
+        let FollowedNet { topology, centre, record, layout } = self.followed(net, star.centre, watch)?;
         if matches!(centre, Centre::Vertex(_)) != self.kind.has_centre() {
             return Ok(None);
         }
@@ -125,7 +125,12 @@ impl Applied {
     }
 
     /// Takes the steps of the cycle from a net, and follows its centre.
-    pub(super) fn followed(&self, mut net: MeshNet, mut centre: Centre, watch: &Watch) -> Result<Followed, Unlimited> {
+    pub(super) fn followed(
+        &self,
+        mut net: MeshNet,
+        mut centre: Centre,
+        watch: &Watch,
+    ) -> Result<FollowedNet, Unlimited> {
         let (mut record, mut layout) = (CycleRecord::new(WeightMode::Exact), CycleRecord::new(WeightMode::Exact));
         for step in &self.steps {
             layout::record(&mut layout, &self.plan, &net, step)?;
@@ -135,12 +140,12 @@ impl Applied {
             net = next.net;
         }
         watch.advance(net.mesh.n_vertices() as u64);
-        Ok(Followed { topology: net.mesh.topology(), centre, record, layout })
+        Ok(FollowedNet { topology: net.mesh.topology(), centre, record, layout })
     }
 }
 
 /// What the steps of a cycle make of a net.
-pub(super) struct Followed {
+pub(super) struct FollowedNet {
     /// The connectivity after the steps.
     pub(super) topology: Arc<Topology>,
     /// The child of the centre.

@@ -51,8 +51,8 @@ impl NetKind {
         points
     }
 
-    /// Returns the corners of the cells of a unit square, counter-clockwise: of the square itself, or of its lower and its
-    /// upper triangle.
+    /// Returns the corners of the cells of a unit square, counter-clockwise: of the square itself, or of its lower and
+    /// its upper triangle.
     pub(super) fn shapes(self) -> &'static [&'static [LatticePoint]] {
         match self {
             Self::Triangles => &[&[[0, 0], [1, 0], [0, 1]], &[[1, 0], [1, 1], [0, 1]]],

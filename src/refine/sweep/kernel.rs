@@ -225,7 +225,7 @@ fn add_two_quads(out: &mut [f64], w: [f64; 2], quads: [[&[f64]; 4]; 2]) {
     }
 }
 
-/// Values that [`singles`] sums at a time, in four of the widest registers. With half of it the weights are loaded twice
+/// Values that [`singles`] sums at a time, in four of the widest registers. With half of it weights are loaded twice
 /// as often; twice of it takes all registers of smaller ones.
 const SINGLES: usize = 32;
 

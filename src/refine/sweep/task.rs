@@ -96,7 +96,9 @@ impl<const W: usize> BlockReceiver<W> for PatchRun<'_, W> {
             let frame = CornerFrame::new(tile, n, side, 0);
             let place = |steps: usize| frame.place([steps.cast_signed(), 0]);
             let vertex = |steps: usize| order.vertex(block.patch, place(steps)) as usize;
-            let point = planes.line(size, block.inside(frame.corner()), frame.along());
+            let first = *range.start();
+            let line = planes.line(size, block.inside(place(first)), frame.along());
+            let point = |steps: usize| line(steps - first);
             let within = (*range.start()).max(1)..(*range.end() + 1).min(n);
             // the patch in which an edge appears first writes its points
             if !within.is_empty() && surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge {
