@@ -66,9 +66,9 @@ pub struct SurfaceFindings<'a> {
     /// The smoothness of limits on regular nets.
     pub smoothness: RegularSmoothness,
     /// The report on each valence, or the reason for which there is none.
-    pub valences: Vec<(usize, Result<ValenceReport, String>)>,
+    pub valences: Reports<ValenceReport>,
     /// The report on boundary vertices with each number of faces, or the reason for which there is none.
-    pub boundaries: Vec<(usize, Result<BoundaryReport, String>)>,
+    pub boundaries: Reports<BoundaryReport>,
     /// The survey of the mesh, if one was given.
     pub survey: Option<Survey>,
 }
@@ -194,11 +194,11 @@ impl SurfaceAnalysis {
     }
 }
 
-/// Returns the reports about numbers that were asked for, or why there is none.
-fn each<T>(
-    asked: &[usize],
-    report: impl Fn(usize) -> Result<T, Unlimited>,
-) -> Result<Vec<(usize, Result<T, String>)>, Stopped> {
+/// Reports about numbers that were asked for, or why there is none.
+type Reports<T> = Vec<(usize, Result<T, String>)>;
+
+/// Makes the reports about the numbers that were asked for.
+fn each<T>(asked: &[usize], report: impl Fn(usize) -> Result<T, Unlimited>) -> Result<Reports<T>, Stopped> {
     let found = asked.iter().map(|&number| match report(number) {
         Err(Unlimited::Stopped(stopped)) => Err(stopped),
         found => Ok((number, found.map_err(|error| error.to_string()))),

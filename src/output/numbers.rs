@@ -18,10 +18,11 @@ pub(super) fn real_f32(out: &mut Vec<u8>, x: f64) {
 /// Returns what [`real`] appends.
 #[inline]
 pub(super) fn decimal(x: f64, buffer: &mut zmij::Buffer) -> &str {
-    without_point(x, buffer.format_finite(x + 0.0))
+    let x = x + 0.0;
+    without_point(x, buffer.format_finite(x))
 }
 
-/// Returns the text of a number, without the point if it is whole. Texts of other numbers are not looked at: loading
+/// Returns the text of a number other than -0, without the point if it is whole. Texts of other numbers are not looked at: loading
 /// what was just stored is slow.
 #[expect(
     clippy::cast_possible_truncation,
@@ -30,7 +31,7 @@ pub(super) fn decimal(x: f64, buffer: &mut zmij::Buffer) -> &str {
 )]
 #[inline]
 fn without_point(x: f64, text: &str) -> &str {
-    let is_whole = x as i64 as f64 == x;
+    let is_whole = (x as i64 as f64).to_bits() == x.to_bits();
     if is_whole { text.strip_suffix(".0").unwrap_or(text) } else { text }
 }
 

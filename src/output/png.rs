@@ -214,11 +214,11 @@ pub(super) fn pixels(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Resul
 }
 
 /// Returns an encoder of pictures, or of the frames of a moving one, with this resolution in pixels per inch.
-pub(super) fn encoder<'a>(
+pub(super) fn encoder(
     [width, height]: [u32; 2],
     (is_opaque, dpi): (bool, Option<f64>),
-    out: &'a mut dyn Write,
-) -> Encoder<'static, &'a mut dyn Write> {
+    out: &mut dyn Write,
+) -> Encoder<'static, &mut dyn Write> {
     let mut encoder = Encoder::new(out, width, height);
     encoder.set_color(if is_opaque { ColorType::Rgb } else { ColorType::Rgba });
     encoder.set_depth(BitDepth::Eight);

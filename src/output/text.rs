@@ -35,19 +35,19 @@ impl RowStyle {
     /// Appends a row.
     pub(super) fn reals(&self, row: &[f64], out: &mut Vec<u8>) {
         let start = out.len();
-        out.resize(start + self.room(row.len()), 0);
+        out.resize(start + Self::room(row.len()), 0);
         let len = self.spell(row, &mut out[start..]);
         out.truncate(start + len);
     }
 
     /// Makes a row for each vector.
     pub(super) fn vectors<R: AsRef<[f64]>>(&self, rows: impl ExactSizeIterator<Item = R> + Clone, out: &mut Bytes) {
-        let room = rows.clone().map(|row| self.room(row.as_ref().len())).sum();
+        let room = rows.clone().map(|row| Self::room(row.as_ref().len())).sum();
         out.text(room, |text| rows.fold(0, |at, row| at + self.spell(row.as_ref(), &mut text[at..])));
     }
 
     /// Returns the maximum number of bytes of a row of `n` reals.
-    fn room(&self, n: usize) -> usize {
+    fn room(n: usize) -> usize {
         Self::MAX_BYTES + n * REAL_TEXT_BYTES
     }
 
@@ -191,7 +191,21 @@ mod tests {
     #[test]
     fn rows_of_reals_are_their_numbers_one_by_one() {
         let style = RowStyle { start: b"vn", open: b' ', between: b',', end: b"\n" };
-        let numbers = [0.0, -0.0, 1.0, -2.5, 0.1, -1.0 / 3.0, 1e15, 1e16, 2_f64.powi(63), 5e-324, f64::MIN, 1e-7, 42.0];
+        let numbers = [
+            0.0,
+            -0.0,
+            1.0,
+            -2.5,
+            0.1,
+            -1.0 / 3.0,
+            1e15,
+            1e16,
+            9_223_372_036_854_775_808.0,
+            5e-324,
+            f64::MIN,
+            1e-7,
+            42.0,
+        ];
         for row in numbers.windows(3).chain([&numbers[..], &[], &numbers[..4], &numbers[..5]]) {
             let mut expected = b"vn".to_vec();
             for (k, &x) in row.iter().enumerate() {
