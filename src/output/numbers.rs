@@ -22,8 +22,8 @@ pub(super) fn decimal(x: f64, buffer: &mut zmij::Buffer) -> &str {
     without_point(x, buffer.format_finite(x))
 }
 
-/// Returns the text of a number other than -0, without the point if it is whole. Texts of other numbers are not looked at: loading
-/// what was just stored is slow.
+/// Returns the text of a number other than -0, without the point if it is whole. Texts of other numbers are not looked
+/// at: loading what was just stored is slow.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_precision_loss,
