@@ -22,7 +22,8 @@ enum FacePosition {
 }
 
 impl QuadGrid {
-    /// Returns the index of vertex `v` in the order of construction (see [`Topology::split`]).
+    /// Returns the index of vertex `v` in the order of construction (see
+    /// [`Topology::split`](crate::shape::topology::Topology::split)).
     pub fn constructed(&self, v: usize) -> u32 {
         let on_edges = self.base.n_vertices();
         if v < on_edges {
