@@ -182,8 +182,8 @@ impl SurfaceAnalysis {
     /// [`Stopped`] when the watch says so.
     pub fn run(&self, watch: &Watch) -> Result<SurfaceFindings<'_>, Stopped> {
         let smoothness = self.study.smoothness(self.nodes, watch)?;
-        let valences = each(&self.valences, |valence| self.study.valence(valence, &smoothness, watch))?;
-        let boundaries = each(&self.boundaries, |faces| self.study.boundary(faces, &smoothness, watch))?;
+        let valences = reports(&self.valences, |valence| self.study.valence(valence, &smoothness, watch))?;
+        let boundaries = reports(&self.boundaries, |faces| self.study.boundary(faces, &smoothness, watch))?;
         let survey = match &self.surveyed {
             Some(surveyed) => surveyed.survey(&self.study, &smoothness, watch)?,
             None => None,
@@ -198,7 +198,7 @@ impl SurfaceAnalysis {
 type Reports<T> = Vec<(usize, Result<T, String>)>;
 
 /// Makes the reports about the numbers that were asked for.
-fn each<T>(asked: &[usize], report: impl Fn(usize) -> Result<T, Unlimited>) -> Result<Reports<T>, Stopped> {
+fn reports<T>(asked: &[usize], report: impl Fn(usize) -> Result<T, Unlimited>) -> Result<Reports<T>, Stopped> {
     let found = asked.iter().map(|&number| match report(number) {
         Err(Unlimited::Stopped(stopped)) => Err(stopped),
         found => Ok((number, found.map_err(|error| error.to_string()))),

@@ -84,6 +84,17 @@ impl Parameter {
         Self::new(name, kind, Default::Absent, doc)
     }
 
+    /// Declares a parameter without unit that must be given.
+    pub const fn required(name: &'static str, kind: ParameterKind, doc: &'static str) -> Self {
+        Self::new(name, kind, Default::Required, doc)
+    }
+
+    /// Declares the parameter with a unit.
+    #[must_use]
+    pub const fn in_unit(self, unit: &'static str) -> Self {
+        Self { unit, ..self }
+    }
+
     /// Declares a whole number in `[min, max]` without unit.
     pub const fn integer(name: &'static str, [min, max]: [i64; 2], default: f64, doc: &'static str) -> Self {
         Self::new(name, ParameterKind::Integer { min, max }, Default::Number(default), doc)

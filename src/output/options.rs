@@ -1,18 +1,6 @@
 //! Options that several formats declare.
 
-use crate::math::parameter::{Default, Parameter, ParameterKind};
-
-impl Parameter {
-    /// Declares a parameter without unit that must be given.
-    pub(super) const fn required(name: &'static str, kind: ParameterKind, doc: &'static str) -> Self {
-        Self { default: Default::Required, ..Self::optional(name, kind, doc) }
-    }
-
-    /// Declares the parameter with a unit.
-    pub(super) const fn in_unit(self, unit: &'static str) -> Self {
-        Self { unit, ..self }
-    }
-}
+use crate::math::parameter::Parameter;
 
 /// The option of mesh formats that writes the origin of each face and vertex in the input.
 pub(super) const IDS: Parameter = Parameter::flag(

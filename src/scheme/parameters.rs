@@ -63,7 +63,7 @@ pub const DELTA: Parameter = Parameter::new(
     ParameterKind::Expression { variable: "valence" },
     Default::Number(1.0),
     "Push-back factor: 0 approximates, 1 interpolates; on meshes it may depend on the valence (on boundaries 4, \
-          with split triangle 6).",
+     with split triangle 6).",
 );
 
 /// The alpha of the compensation, if it differs.
