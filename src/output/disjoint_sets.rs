@@ -1,5 +1,7 @@
 //! Disjoint sets of vertices.
 
+use crate::shape::topology::index;
+
 /// Disjoint sets of vertices (union and find with path halving; R. Tarjan, J. van Leeuwen, J. ACM 31 (1984), 245-281).
 pub(super) struct DisjointSets {
     parents: Vec<u32>,
@@ -10,7 +12,7 @@ pub(super) struct DisjointSets {
 impl DisjointSets {
     /// Returns a set for each of `n` vertices.
     pub(super) fn new(n: usize) -> Self {
-        Self { parents: (0..u32::try_from(n).unwrap_or(u32::MAX)).collect(), n }
+        Self { parents: (0..index(n)).collect(), n }
     }
 
     /// Returns the lowest vertex of the set of `v`, which represents the set, and shortens the path to it.
