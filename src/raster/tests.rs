@@ -14,7 +14,7 @@ fn at(x: f64, y: f64) -> Vertex {
 
 fn covered(corners: [Vertex; 3]) -> Vec<bool> {
     let mut samples = Samples::new();
-    samples.draw(corners, 7, [0, 0], |_| true);
+    samples.draw(corners, 7, [0, 0]);
     samples.owner.iter().flatten().map(|o| *o != NOBODY).collect()
 }
 
@@ -56,7 +56,7 @@ fn the_order_of_drawing_does_not_matter_and_of_equal_depths_the_lower_number_is_
         .collect();
     let drawn = |order: &mut dyn Iterator<Item = usize>| {
         let mut samples = Samples::new();
-        order.for_each(|i| samples.draw(triangles[i], u32::try_from(i).expect("a few triangles"), [0, 0], |_| true));
+        order.for_each(|i| samples.draw(triangles[i], u32::try_from(i).expect("a few triangles"), [0, 0]));
         samples.owner
     };
     let forward = drawn(&mut (0..triangles.len()));
@@ -192,7 +192,7 @@ fn slivers_cover_the_samples_inside_them_and_look_at_few_pixels_beside() {
         let end = |side: f64| at(16.3 + 300.0 * x - side * y, 15.9 + 300.0 * y + side * x);
         let corners = [at(16.3 - 300.0 * x, 15.9 - 300.0 * y), end(2.0), end(-2.0)];
         let mut samples = Samples::new();
-        samples.draw(corners, 7, [0, 0], |_| true);
+        samples.draw(corners, 7, [0, 0]);
         let left = |a: Vertex, b: Vertex, [px, py]: [i64; 2]| {
             let [ax, ay, bx, by] = [a.x, a.y, b.x, b.y].map(i64::from);
             (bx - ax) * (py - ay) - (by - ay) * (px - ax)

@@ -90,10 +90,10 @@ impl TileScratch {
                     watch.advance(forecast::rows(self.samples.done()));
                 }
                 match hiding(model, id, has_clear) {
-                    Hiding::Wholly => self.samples.draw(model.corners(id), id, origin, |_| true),
+                    Hiding::Wholly => self.samples.draw(model.corners(id), id, origin),
                     Hiding::InPlaces => {
                         let alpha = alphas(model, id, origin);
-                        self.samples.draw(model.corners(id), id, origin, |place| alpha(place) >= OPAQUE_ALPHA);
+                        self.samples.draw_where(model.corners(id), id, origin, |place| alpha(place) >= OPAQUE_ALPHA);
                     }
                     Hiding::Partly | Hiding::Never => {}
                 }
@@ -173,11 +173,11 @@ impl TileScratch {
                     watch.check()?;
                 }
                 match hiding(model, id, true) {
-                    Hiding::Partly => samples.draw(model.corners(id), id, origin, |_| true),
+                    Hiding::Partly => samples.draw(model.corners(id), id, origin),
                     Hiding::InPlaces => {
                         let alpha = alphas(model, id, origin);
                         let is_clear = |place| (1.0 - OPAQUE_ALPHA..OPAQUE_ALPHA).contains(&alpha(place));
-                        samples.draw(model.corners(id), id, origin, is_clear);
+                        samples.draw_where(model.corners(id), id, origin, is_clear);
                     }
                     Hiding::Wholly | Hiding::Never => {}
                 }

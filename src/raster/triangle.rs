@@ -11,6 +11,8 @@
 
 use std::ops::Range;
 
+use multiversion::multiversion;
+
 use super::bins::TILE;
 use super::project::{STEPS_A_PIXEL, Vertex};
 
@@ -77,6 +79,21 @@ struct TriangleSetup {
     range: [f32; 2],
 }
 
+/// A row of pixels in the bounding box of a triangle, from the first one that is looked at.
+struct PixelRow {
+    /// The row and the column in the bounding box.
+    row: usize,
+    column: usize,
+    /// The edge functions at the corner of the first pixel.
+    edges: [i32; 3],
+    /// The depths at the samples of the first pixel of the bounding box in this row.
+    depth: [f32; SAMPLES],
+}
+
+/// Samples of the two pixels that are looked at together: eight numbers of 32 bits fill a vector register of 256 bits.
+/// Half of it leaves half of that empty; twice of it looks at more pixels beside small triangles in vain.
+const PAIR_SAMPLES: usize = 2 * SAMPLES;
+
 impl Samples {
     pub(super) fn new() -> Self {
         let n = TILE * TILE;
@@ -102,15 +119,33 @@ impl Samples {
         (self.farthest, self.visited) = (0.0, 0);
     }
 
-    /// Draws one triangle into the tile whose first pixel is `origin`, at those places of the tile where it is there.
-    /// Of triangles with equal depth at a sample that with the lower number is seen, so that the order of drawing does
-    /// not matter.
-    pub(super) fn draw(
+    /// Draws one triangle into the tile whose first pixel is `origin`. Of triangles with equal depth at a sample that
+    /// with the lower number is seen, so that the order of drawing does not matter.
+    pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
+        draw_everywhere(self, corners, id, origin);
+    }
+
+    /// Draws one triangle like [`Samples::draw`], at those places of the tile where it is there.
+    pub(super) fn draw_where(
         &mut self,
         corners: [Vertex; 3],
         id: u32,
         origin: [i32; 2],
         is_there: impl Fn([f32; 2]) -> bool,
+    ) {
+        self.draw_rows(corners, origin, |setup, row, depths, owners| {
+            setup.cover_where(row, id, depths, owners, &is_there)
+        });
+    }
+
+    /// Calls a function for each row of pixels in which a triangle may be seen, with the depths and owners there.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
+    fn draw_rows(
+        &mut self,
+        corners: [Vertex; 3],
+        origin: [i32; 2],
+        cover: impl Fn(&TriangleSetup, &PixelRow, &mut [[f32; SAMPLES]], &mut [[u32; SAMPLES]]),
     ) {
         self.done.triangles += 1;
         let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
@@ -128,7 +163,7 @@ impl Samples {
         }
         let Some(setup) = TriangleSetup::new(corners, pixels, origin) else { return };
         self.visited += ((right - left + 1) * (bottom - top + 1)) as usize;
-        self.fill(&setup, id, is_there);
+        self.fill(&setup, cover);
         if self.visited > 4 * TILE * TILE {
             self.farthest();
         }
@@ -148,6 +183,8 @@ impl Samples {
 
     /// Returns whether every sample of some pixels (left, top, right, bottom, bounds included) is nearer than
     /// `nearest`.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
     fn is_hidden(&self, [left, top, right, bottom]: [i32; 4], nearest: f32) -> bool {
         (top..=bottom).all(|y| {
             let row = (y * TILE_SIDE + left) as usize..=(y * TILE_SIDE + right) as usize;
@@ -155,42 +192,42 @@ impl Samples {
         })
     }
 
-    fn fill(&mut self, setup: &TriangleSetup, id: u32, is_there: impl Fn([f32; 2]) -> bool) {
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
+    fn fill(
+        &mut self,
+        setup: &TriangleSetup,
+        cover: impl Fn(&TriangleSetup, &PixelRow, &mut [[f32; SAMPLES]], &mut [[u32; SAMPLES]]),
+    ) {
         let [left, top, right, bottom] = setup.pixels;
         let n = (right - left + 1) as usize;
         let mut start = setup.edges;
         for (row, y) in (top..=bottom).enumerate() {
             let span = if n < CUT_PX { 0..n } else { setup.span(&start, n) };
             self.done.pixels += span.len() as u64 + if n < CUT_PX { 0 } else { ROW_PX };
-            let first = (y * TILE_SIDE + left) as usize;
             let lift = row as f32 * setup.slope[1];
-            let base: [f32; SAMPLES] = std::array::from_fn(|s| setup.depth[s] + lift);
             let mut edges = start;
             step(&mut edges, setup.right.map(|right| right.wrapping_mul(span.start as i32)));
-            let depths = &mut self.depth[first + span.start..first + span.end];
-            let owners = &mut self.owner[first + span.start..first + span.end];
-            for (column, (depth, owner)) in span.zip(depths.iter_mut().zip(owners)) {
-                let at = |k: usize, s: usize| edges[k].wrapping_add(setup.samples[k][s]);
-                let outside: [i32; SAMPLES] = std::array::from_fn(|s| at(0, s) | at(1, s) | at(2, s));
-                let place = |s: usize| {
-                    let [x, y] = SAMPLE_PLACES[s].map(|eighths| eighths as f32 / 8.0);
-                    [(left as usize + column) as f32 + x, y + (top as usize + row) as f32]
-                };
-                let is_hole = |s: usize| outside[s] >= 0 && !is_there(place(s));
-                let outside = std::array::from_fn(|s| if is_hole(s) { -1 } else { outside[s] });
-                let shift = column as f32 * setup.slope[0];
-                let z = base.map(|z| setup.within(z + shift));
-                cover(outside, z, id, depth, owner);
-                step(&mut edges, setup.right);
-            }
+            let depth = std::array::from_fn(|s| setup.depth[s] + lift);
+            let first = (y * TILE_SIDE + left) as usize;
+            let (depths, owners) = (&mut self.depth[first..first + n], &mut self.owner[first..first + n]);
+            let row = PixelRow { row, column: span.start, edges, depth };
+            cover(setup, &row, &mut depths[span.clone()], &mut owners[span]);
             step(&mut start, setup.down);
         }
     }
 }
 
+/// Draws one triangle, two pixels at a time; wider vectors give the same bits.
+#[multiversion(targets("x86_64+avx2"))]
+fn draw_everywhere(samples: &mut Samples, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
+    samples.draw_rows(corners, origin, |setup, row, depths, owners| setup.cover_all(row, id, depths, owners));
+}
+
 /// Gives triangle number `id` the samples of a pixel that it covers (`outside` is not negative there) and where it is
 /// the nearest. There are no branches, so that all samples are one vector.
-#[inline]
+#[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
+#[inline(always)]
 pub(super) fn cover<const N: usize>(
     outside: [i32; N],
     z: [f32; N],
@@ -207,16 +244,22 @@ pub(super) fn cover<const N: usize>(
 }
 
 /// Moves the edge functions on.
+#[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+#[inline(always)]
 fn step(edges: &mut [i32; 3], by: [i32; 3]) {
     edges.iter_mut().zip(by).for_each(|(edge, by)| *edge = edge.wrapping_add(by));
 }
 
 /// Returns twice the signed area of a triangle in square steps.
+#[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+#[inline(always)]
 pub(super) fn area(&[a, b, c]: &[Vertex; 3]) -> i64 {
     i64::from(b.x - a.x) * i64::from(c.y - a.y) - i64::from(c.x - a.x) * i64::from(b.y - a.y)
 }
 
 /// Pixels that hold a sample of the bounding box: left, top, right, bottom, bounds included.
+#[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+#[inline(always)]
 pub(super) fn pixel_box(&[a, b, c]: &[Vertex; 3]) -> [i32; 4] {
     let low = |u: i32| (u - 7 * EIGHTH_STEPS + STEPS_A_PIXEL - 1).div_euclid(STEPS_A_PIXEL);
     let high = |u: i32| (u - EIGHTH_STEPS).div_euclid(STEPS_A_PIXEL);
@@ -245,6 +288,8 @@ enum TileEdge {
 const NEAR_ORIGIN: i32 = 1 << 14;
 
 /// Returns what [`edge`] returns, for corners near the tile, where the edge is taken to cross the tile without a test.
+#[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+#[inline(always)]
 fn near_edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> TileEdge {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let counts = dy > 0 || (dy == 0 && dx > 0);
@@ -270,6 +315,8 @@ fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> TileEdge {
 
 impl TriangleSetup {
     /// Prepares a triangle over some pixels of the tile: left, top, right, bottom, bounds included.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
     fn new(mut corners: [Vertex; 3], pixels: [i32; 4], origin: [i32; 2]) -> Option<Self> {
         let area = area(&corners);
         if area == 0 {
@@ -309,7 +356,69 @@ impl TriangleSetup {
         Some(setup)
     }
 
+    /// Gives triangle number `id` what it covers and is nearest in a row of pixels.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
+    fn cover_all(&self, row: &PixelRow, id: u32, depths: &mut [[f32; SAMPLES]], owners: &mut [[u32; SAMPLES]]) {
+        let right = |lane: usize| (lane / SAMPLES) as i32;
+        let mut edges: [[i32; PAIR_SAMPLES]; 3] = std::array::from_fn(|k| {
+            let edge =
+                |lane: usize| self.samples[k][lane % SAMPLES].wrapping_add(right(lane).wrapping_mul(self.right[k]));
+            std::array::from_fn(|lane| row.edges[k].wrapping_add(edge(lane)))
+        });
+        let base: [f32; PAIR_SAMPLES] = std::array::from_fn(|lane| row.depth[lane % SAMPLES]);
+        let mut column: [f32; PAIR_SAMPLES] = std::array::from_fn(|lane| row.column as f32 + right(lane) as f32);
+        let (pairs, last) = depths.as_chunks_mut::<2>();
+        let (owner_pairs, last_owner) = owners.as_chunks_mut::<2>();
+        for (depth, owner) in pairs.iter_mut().zip(owner_pairs) {
+            let outside = std::array::from_fn(|lane| edges[0][lane] | edges[1][lane] | edges[2][lane]);
+            let z = std::array::from_fn(|lane| self.within(base[lane] + column[lane] * self.slope[0]));
+            let (depth, owner) = (depth.as_flattened_mut(), owner.as_flattened_mut());
+            if let (Some(depth), Some(owner)) = (depth.as_mut_array(), owner.as_mut_array()) {
+                cover::<PAIR_SAMPLES>(outside, z, id, depth, owner);
+            }
+            for (edges, right) in edges.iter_mut().zip(self.right) {
+                edges.iter_mut().for_each(|edge| *edge = edge.wrapping_add(2_i32.wrapping_mul(right)));
+            }
+            column.iter_mut().for_each(|column| *column += 2.0);
+        }
+        for (depth, owner) in last.iter_mut().zip(last_owner) {
+            let outside = std::array::from_fn(|s| edges[0][s] | edges[1][s] | edges[2][s]);
+            let z = std::array::from_fn(|s| self.within(base[s] + column[s] * self.slope[0]));
+            cover(outside, z, id, depth, owner);
+        }
+    }
+
+    /// Does what [`TriangleSetup::cover_all`] does, at those places of the tile where the triangle is there.
+    fn cover_where(
+        &self,
+        row: &PixelRow,
+        id: u32,
+        depths: &mut [[f32; SAMPLES]],
+        owners: &mut [[u32; SAMPLES]],
+        is_there: impl Fn([f32; 2]) -> bool,
+    ) {
+        let [left, top, ..] = self.pixels;
+        let mut edges = row.edges;
+        for (column, (depth, owner)) in (row.column..).zip(depths.iter_mut().zip(owners)) {
+            let at = |k: usize, s: usize| edges[k].wrapping_add(self.samples[k][s]);
+            let outside: [i32; SAMPLES] = std::array::from_fn(|s| at(0, s) | at(1, s) | at(2, s));
+            let place = |s: usize| {
+                let [x, y] = SAMPLE_PLACES[s].map(|eighths| eighths as f32 / 8.0);
+                [(left as usize + column) as f32 + x, y + (top as usize + row.row) as f32]
+            };
+            let is_hole = |s: usize| outside[s] >= 0 && !is_there(place(s));
+            let outside = std::array::from_fn(|s| if is_hole(s) { -1 } else { outside[s] });
+            let shift = column as f32 * self.slope[0];
+            let z = row.depth.map(|z| self.within(z + shift));
+            cover(outside, z, id, depth, owner);
+            step(&mut edges, self.right);
+        }
+    }
+
     /// Returns a depth, clamped to the depths of the corners.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
     fn within(&self, z: f32) -> f32 {
         let z = if z > self.range[0] { z } else { self.range[0] };
         if z < self.range[1] { z } else { self.range[1] }
@@ -318,6 +427,8 @@ impl TriangleSetup {
     /// Returns the columns of a row of `n` pixels in which a sample may lie inside; `start` are the edge functions at
     /// the first pixel. An edge function that is negative at all samples of a pixel leaves it out, and all are linear
     /// along the row.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
     fn span(&self, start: &[i32; 3], n: usize) -> Range<usize> {
         let (mut first, mut end) = (0_i64, n as i64);
         for ((edge, samples), &right) in start.iter().zip(&self.samples).zip(&self.right) {
@@ -338,6 +449,8 @@ impl TriangleSetup {
     }
 
     /// Sets the plane of depths, from the first pixel of the bounding box.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
     fn interpolate(&mut self, corners: &[Vertex; 3], first: [i32; 2]) {
         let [a, b, c] = *corners;
         let slope = slope(corners);
@@ -354,6 +467,8 @@ impl TriangleSetup {
 }
 
 /// Returns the growth of depth for each pixel to the right and down; 0 for a triangle without area.
+#[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+#[inline(always)]
 pub(super) fn slope(corners: &[Vertex; 3]) -> [f64; 2] {
     let [a, b, c] = *corners;
     let area = area(corners);
