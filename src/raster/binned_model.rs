@@ -177,6 +177,7 @@ impl<'a> BinnedModel<'a> {
         self.runs.iter().flat_map(move |bins| bins[usize::from(is_back)].tile_from(tile, depth))
     }
 
+    #[inline]
     fn placed(&self, [a, b, c]: [u32; 3]) -> [Vertex; 3] {
         [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
     }
@@ -186,6 +187,7 @@ impl<'a> BinnedModel<'a> {
     }
 
     /// Returns the corners of triangle `id` in the picture.
+    #[inline]
     pub(super) fn corners(&self, id: u32) -> [Vertex; 3] {
         match self.model.triangles.get(id as usize) {
             Some(&triangle) => self.placed(triangle),

@@ -8,9 +8,12 @@
 #![expect(clippy::cast_sign_loss, reason = "places are clamped to the map before the cast")]
 
 use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use multiversion::multiversion;
 use rayon::prelude::*;
 
+use super::bins::TILE;
 use super::camera::{Camera, Projection, unit};
 use super::model::{Model, TriangleAppearance};
 use crate::math::functions::{cos, sin};
@@ -100,6 +103,8 @@ struct GroundFrame<'a> {
     height: f64,
     triangles: &'a [[u32; 3]],
     places: Vec<[f32; 3]>,
+    /// Whether a triangle has this vertex.
+    is_used: Vec<AtomicBool>,
 }
 
 impl Shadow {
@@ -127,11 +132,14 @@ impl Shadow {
         if !is_above {
             return Ok(None);
         }
-        while shadow.cells > FEWEST_CELLS && frame.looks(shadow.cells) > MAX_SAMPLED_PLACES {
+        loop {
+            let most = if shadow.cells > FEWEST_CELLS { MAX_SAMPLED_PLACES } else { u64::MAX };
+            if let Some(heights) = frame.heights(shadow.cells, most, watch)? {
+                shadow.dark = darkness(&heights, shadow.cells);
+                return Ok(Some(shadow));
+            }
             shadow.cells /= 2;
         }
-        shadow.dark = frame.dark(shadow.cells, watch)?;
-        Ok(Some(shadow))
     }
 
     /// Returns the shadow in a row of the picture, if it reaches that row.
@@ -145,10 +153,8 @@ impl Shadow {
         (y >= top && y < bottom).then(row)
     }
 
-    /// Returns the interpolated darkness at a place of the map, whose coordinates range from -1 to 1.
-    fn blended(&self, place: [f64; 2]) -> f32 {
-        let last = self.cells as f64 - 1.0;
-        let [u, v] = place.map(|u| ((0.5 * u + 0.5) * self.cells as f64 - 0.5).clamp(0.0, last));
+    /// Returns the darkness at a place of the map, in cells, interpolated between four of them.
+    fn blended(&self, [u, v]: [f64; 2]) -> f32 {
         let (left, above) = (u as usize, v as usize);
         let (u, v) = ((u - left as f64) as f32, (v - above as f64) as f32);
         let (right, below) = ((left + 1).min(self.cells - 1), (above + 1).min(self.cells - 1));
@@ -160,31 +166,67 @@ impl Shadow {
 }
 
 impl ShadowRow<'_> {
-    /// Returns the fraction of its light that the ground at a pixel of the row loses.
-    pub(super) fn at(&self, x: usize) -> f32 {
+    /// Returns the fraction of its light that the ground loses at the pixels of a row of a tile, from `first` on.
+    pub(super) fn dark(&self, first: usize) -> [f32; TILE] {
         let [left, _, right, _] = self.shadow.reach_px;
-        if x < left || x >= right {
-            return 0.0;
+        if first >= right || first + TILE <= left {
+            return [0.0; TILE];
         }
-        let along = |v: &[Vector; 2], k: usize| v[0][k] + x as f64 * v[1][k];
-        let way = -along(&self.origin, 2) / along(&self.ray, 2);
-        if !(way > 0.0 && way.is_finite()) {
-            return 0.0;
+        let ([columns, rows], shares) = on_map(self, first as f64);
+        let mut dark = [0.0; TILE];
+        for (i, dark) in dark.iter_mut().enumerate().filter(|(i, _)| shares[*i] > 0.0) {
+            let share = shares[i];
+            *dark = self.shadow.blended([columns[i], rows[i]]) * share * share * (3.0 - 2.0 * share);
         }
-        let place = [0, 1].map(|k| along(&self.origin, k) + way * along(&self.ray, k));
-        if place.iter().any(|x| x.abs() >= 1.0) {
-            return 0.0;
-        }
-        let middle_px = self.shadow.middle_px;
-        let edge_px = self.edge_px.min(middle_px[0] - (x as f64 + 0.5 - middle_px[0]).abs());
-        let inside = (edge_px / (FADE_WIDTH * 2.0 * middle_px[0].min(middle_px[1]))).min(1.0) as f32;
-        self.shadow.blended(place) * inside * inside * (3.0 - 2.0 * inside)
+        dark
     }
 }
 
-/// Number of triangles that a thread processes at a time, and of each part of the sum of the centroid. With half of it
-/// tasks are many for their little work; with twice of it models of some ten thousands of triangles leave threads idle.
-const TRIANGLES_PER_TASK: usize = 1 << 14;
+/// Returns the places on the map, in cells, of the pixels of a row of a tile, and by how much of its width each pixel
+/// is inside the band along the edge of the picture, which is 0 for those that do not see the map. Wider vectors give
+/// the same bits.
+#[multiversion(targets("x86_64+avx2"))]
+fn on_map<'a>(row: &ShadowRow<'a>, first: f64) -> ([[f64; TILE]; 2], [f32; TILE]) {
+    let shadow = row.shadow;
+    let [left, _, right, _] = shadow.reach_px.map(|px| px as f64);
+    let (cells, last) = (shadow.cells as f64, shadow.cells as f64 - 1.0);
+    let middle_px = shadow.middle_px;
+    let fade_px = FADE_WIDTH * 2.0 * middle_px[0].min(middle_px[1]);
+    let mut places = [[0.0; TILE]; 2];
+    let mut shares = [0.0; TILE];
+    for i in 0..TILE {
+        let x = first + f64::from(i as u32);
+        let along = |v: &[Vector; 2], k: usize| v[0][k] + x * v[1][k];
+        let way = -along(&row.origin, 2) / along(&row.ray, 2);
+        let place = [0, 1].map(|k| along(&row.origin, k) + way * along(&row.ray, k));
+        let is_seen = (x >= left) & (x < right) & (way > 0.0) & (place[0].abs() < 1.0) & (place[1].abs() < 1.0);
+        for k in 0..2 {
+            let cell = (0.5 * place[k] + 0.5) * cells - 0.5;
+            let cell = if cell > 0.0 { cell } else { 0.0 };
+            places[k][i] = if cell < last { cell } else { last };
+        }
+        let edge_px = middle_px[0] - (x + 0.5 - middle_px[0]).abs();
+        let edge_px = if edge_px < row.edge_px { edge_px } else { row.edge_px };
+        let inside = edge_px / fade_px;
+        let inside = if inside < 1.0 { inside } else { 1.0 };
+        shares[i] = if is_seen { inside as f32 } else { 0.0 };
+    }
+    (places, shares)
+}
+
+/// Number of triangles or vertices that a thread processes at a time, and of each part of the sum of the centroid. With
+/// half of it tasks are many for their little work; with twice of it models of some ten thousands of triangles leave
+/// threads idle.
+const ITEMS_PER_TASK: usize = 1 << 14;
+
+/// Returns for each vertex of a model whether a triangle has it.
+fn used(model: &Model<'_>) -> Vec<AtomicBool> {
+    let is_used: Vec<AtomicBool> = model.positions.iter().map(|_| AtomicBool::new(false)).collect();
+    let mark =
+        |list: &[[u32; 3]]| list.iter().flatten().for_each(|&v| is_used[v as usize].store(true, Ordering::Relaxed));
+    model.triangles.par_chunks(ITEMS_PER_TASK).for_each(mark);
+    is_used
+}
 
 impl<'a> GroundFrame<'a> {
     /// Returns the frame of a model; `None` if the model has no extent.
@@ -192,17 +234,20 @@ impl<'a> GroundFrame<'a> {
         let aside = if sky[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
         let right = unit(cross(sky, aside))?;
         let axes = [right, cross(sky, right), sky];
+        let is_used = used(model);
         let none = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
         let join = |a: [Vector; 2], b: [Vector; 2]| {
             [[0, 1, 2].map(|k| a[0][k].min(b[0][k])), [0, 1, 2].map(|k| a[1][k].max(b[1][k]))]
         };
-        let of = |list: &[[u32; 3]]| {
-            list.iter().flatten().map(|&v| model.positions[v as usize]).fold(none, |sum, p| {
-                let p = axes.map(|axis| dot(axis, p));
-                if p.iter().all(|x| x.is_finite()) { join(sum, [p, p]) } else { sum }
+        let of = |(points, is_used): (&[Vector], &[AtomicBool])| {
+            let used = points.iter().zip(is_used).filter(|(_, is_used)| is_used.load(Ordering::Relaxed));
+            used.fold(none, |sum, (&point, _)| {
+                let p = axes.map(|axis| dot(axis, point));
+                if p[0].is_finite() && p[1].is_finite() && p[2].is_finite() { join(sum, [p, p]) } else { sum }
             })
         };
-        let [low, high] = model.triangles.par_chunks(TRIANGLES_PER_TASK).map(of).reduce(|| none, join);
+        let parts = model.positions.par_chunks(ITEMS_PER_TASK).zip(is_used.par_chunks(ITEMS_PER_TASK));
+        let [low, high] = parts.map(of).reduce(|| none, join);
         let half = 0.5 * (high[0] - low[0]).max(high[1] - low[1]);
         if !(half > 1e-100 && half < 1e100) {
             return None;
@@ -213,8 +258,9 @@ impl<'a> GroundFrame<'a> {
             let from = minus(point, middle);
             axes.map(|axis| (dot(axis, from) / half) as f32)
         };
-        let places = model.positions.par_iter().with_min_len(TRIANGLES_PER_TASK).map(place).collect();
-        Some(Self { axes, middle, half, height: (high[2] - low[2]) / half, triangles: model.triangles, places })
+        let places = model.positions.par_iter().with_min_len(ITEMS_PER_TASK).map(place).collect();
+        let height = (high[2] - low[2]) / half;
+        Some(Self { axes, middle, half, height, triangles: model.triangles, places, is_used })
     }
 
     /// Returns the camera in coordinates of the map, whose unit is half its side, with an empty map.
@@ -248,8 +294,9 @@ impl<'a> GroundFrame<'a> {
     }
 
     /// Returns the positions of the corners of a triangle.
-    fn corners(&self, triangle: [u32; 3]) -> [[f32; 3]; 3] {
-        triangle.map(|v| self.places[v as usize])
+    #[inline]
+    fn corners(&self, [a, b, c]: [u32; 3]) -> [[f32; 3]; 3] {
+        [self.places[a as usize], self.places[b as usize], self.places[c as usize]]
     }
 
     /// Returns the centroid of the surface projected to the ground: the mean of the centres of its triangles, weighted
@@ -265,7 +312,7 @@ impl<'a> GroundFrame<'a> {
                 if area.is_finite() { plus(sum, more) } else { sum }
             })
         };
-        let parts: Vec<Vector> = self.triangles.par_chunks(TRIANGLES_PER_TASK).map(of).collect();
+        let parts: Vec<Vector> = self.triangles.par_chunks(ITEMS_PER_TASK).map(of).collect();
         let [x, y, area] = parts.into_iter().fold([0.0; 3], plus);
         if area > 0.0 { [x / area, y / area] } else { [0.0; 2] }
     }
@@ -281,74 +328,85 @@ impl<'a> GroundFrame<'a> {
         let join = |a: [f64; TOUCH_DIRECTIONS], b: [f64; TOUCH_DIRECTIONS]| std::array::from_fn(|k| a[k].max(b[k]));
         let sole = (SOLE_HEIGHT * self.height) as f32;
         let [x, y] = self.centre();
-        let of = |list: &[[u32; 3]]| {
-            let corners = list.iter().flatten().map(|&v| self.places[v as usize]);
-            corners.filter(|p| p[2] <= sole).fold(none, |far, p| {
+        let of = |(places, is_used): (&[[f32; 3]], &[AtomicBool])| {
+            let low = places.iter().zip(is_used).filter(|(p, is_used)| p[2] <= sole && is_used.load(Ordering::Relaxed));
+            low.fold(none, |far, (p, _)| {
                 let (right, ahead) = (f64::from(p[0]) - x, f64::from(p[1]) - y);
                 join(far, directions.map(|[x, y]| right * x + ahead * y))
             })
         };
-        let far = self.triangles.par_chunks(TRIANGLES_PER_TASK).map(of).reduce(|| none, join);
+        let parts = self.places.par_chunks(ITEMS_PER_TASK).zip(self.is_used.par_chunks(ITEMS_PER_TASK));
+        let far = parts.map(of).reduce(|| none, join);
         far.iter().all(|&far| far > FIRM_STAND)
     }
 
     /// Returns the corners of a triangle in cells of a map with their heights, unless the triangle is too high.
+    #[inline]
     fn over(&self, triangle: [u32; 3], cells: usize) -> Option<[[f32; 3]; 3]> {
-        let places = self.corners(triangle);
+        let [a, b, c] = self.corners(triangle);
+        if !(a[2] < DARKENING_HEIGHT || b[2] < DARKENING_HEIGHT || c[2] < DARKENING_HEIGHT) {
+            return None;
+        }
         let half = 0.5 * cells as f32;
         let scale = half / (1.0 + SHADOW_REACH as f32);
-        let is_near = places.iter().any(|p| p[2] < DARKENING_HEIGHT) && places.iter().flatten().all(|x| x.is_finite());
-        is_near.then(|| places.map(|[x, y, height]| [x * scale + half, y * scale + half, height]))
+        let on_map = |[x, y, height]: [f32; 3]| [x * scale + half, y * scale + half, height];
+        let is_finite = |p: [f32; 3]| p[0].is_finite() && p[1].is_finite() && p[2].is_finite();
+        (is_finite(a) && is_finite(b) && is_finite(c)).then(|| [on_map(a), on_map(b), on_map(c)])
     }
 
-    /// Returns an upper bound of the number of places at which triangles are sampled.
-    fn looks(&self, cells: usize) -> u64 {
-        let of = |list: &[[u32; 3]]| -> u64 {
-            let over = list.iter().filter_map(|&triangle| self.over(triangle, cells));
-            over.map(|corners| (parts(&corners) as u64 + 1).pow(2) / 2).sum()
-        };
-        self.triangles.par_chunks(TRIANGLES_PER_TASK).map(of).sum()
-    }
-
-    /// Returns the fraction of its light that each cell loses.
-    fn dark(&self, cells: usize, watch: &Watch) -> Result<Vec<f32>, Stopped> {
+    /// Returns the least height of the model above each cell; `None` if more than `most` places of triangles would have
+    /// to be sampled.
+    fn heights(&self, cells: usize, most: u64, watch: &Watch) -> Result<Option<Vec<f32>>, Stopped> {
         let far = || vec![DARKENING_HEIGHT; cells * cells];
         let lower = |mut a: Vec<f32>, b: Vec<f32>| {
             a.iter_mut().zip(b).for_each(|(a, b)| *a = a.min(b));
             a
         };
-        let part = self.triangles.len().div_ceil(8).max(TRIANGLES_PER_TASK);
+        let sampled = AtomicU64::new(0);
+        let part = self.triangles.len().div_ceil(8).max(ITEMS_PER_TASK);
         let of = |list: &[[u32; 3]]| {
             let mut heights = far();
-            for (n, &triangle) in list.iter().enumerate() {
-                if n % 4096 == 0 {
-                    watch.check()?;
-                }
-                if let Some(corners) = self.over(triangle, cells) {
+            for list in list.chunks(4096) {
+                watch.check()?;
+                let mut n_places = 0;
+                for corners in list.iter().filter_map(|&triangle| self.over(triangle, cells)) {
+                    n_places += (parts(&corners) as u64 + 1).pow(2) / 2;
+                    if n_places > most {
+                        break;
+                    }
                     lay(&corners, &mut heights, cells);
+                }
+                if sampled.fetch_add(n_places, Ordering::Relaxed) + n_places > most {
+                    break;
                 }
             }
             Ok(heights)
         };
         let heights = self.triangles.par_chunks(part).map(of).try_reduce(far, |a, b| Ok::<_, Stopped>(lower(a, b)))?;
-        let side = cells as f32;
-        let [near, wide] = [(TOUCHING_HEIGHT, 0.011), (DARKENING_HEIGHT, 0.05)].map(|(high, share): (f32, f32)| {
-            let weight = |height: &f32| {
-                let rest = (1.0 - height / high).max(0.0);
-                rest * rest
-            };
-            let dark: Vec<f32> = heights.iter().map(weight).collect();
-            smoothed(dark, cells, ((share * side) as usize).max(1))
-        });
-        let mixed = near
-            .iter()
-            .zip(&wide)
-            .map(|(near, wide)| 1.0 - (1.0 - SHADOW_DARKNESS[0] * near) * (1.0 - SHADOW_DARKNESS[1] * wide));
-        Ok(mixed.collect())
+        Ok((sampled.into_inner() <= most).then_some(heights))
     }
 }
 
+/// Returns the fraction of its light that each cell loses.
+fn darkness(heights: &[f32], cells: usize) -> Vec<f32> {
+    let side = cells as f32;
+    let soft = |high: f32, share: f32| {
+        let weight = |height: &f32| {
+            let rest = (1.0 - height / high).max(0.0);
+            rest * rest
+        };
+        smoothed(heights.iter().map(weight).collect(), cells, ((share * side) as usize).max(1))
+    };
+    let (near, wide) = rayon::join(|| soft(TOUCHING_HEIGHT, 0.011), || soft(DARKENING_HEIGHT, 0.05));
+    let mixed = near
+        .iter()
+        .zip(&wide)
+        .map(|(near, wide)| 1.0 - (1.0 - SHADOW_DARKNESS[0] * near) * (1.0 - SHADOW_DARKNESS[1] * wide));
+    mixed.collect()
+}
+
 /// Returns the number of parts into which each side of a triangle is divided, so that no cell below it is missed.
+#[inline]
 fn parts(corners: &[[f32; 3]; 3]) -> usize {
     let side = |a: &[f32; 3], b: &[f32; 3]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
     let longest =
@@ -381,16 +439,19 @@ fn lay(corners: &[[f32; 3]; 3], heights: &mut [f32], cells: usize) {
 /// Returns the map after three box filters of `2 reach + 1` cells, which approximate a Gaussian.
 fn smoothed(mut map: Vec<f32>, cells: usize, reach: usize) -> Vec<f32> {
     let share = 1.0 / (2 * reach + 1) as f32;
+    let mut turned = vec![0.0; map.len()];
+    let mut sums = vec![0.0; cells];
     for _ in 0..6 {
-        let mut turned = vec![0.0; map.len()];
         for (y, row) in map.chunks(cells).enumerate() {
-            for x in 0..cells {
-                let sum: f32 = row[x.saturating_sub(reach)..(x + reach + 1).min(cells)].iter().sum();
-                // transposed, so that rows are columns the next time
-                turned[x * cells + y] = sum * share;
-            }
+            // each sum from left to right, all of them side by side
+            sums.fill(0.0);
+            let mut add = |sums: &mut [f32], row: &[f32]| sums.iter_mut().zip(row).for_each(|(sum, cell)| *sum += cell);
+            (1..=reach.min(cells)).rev().for_each(|left| add(&mut sums[left..], row));
+            (0..=reach.min(cells)).for_each(|right| add(&mut sums, &row[right..]));
+            // transposed, so that rows are columns the next time
+            sums.iter().enumerate().for_each(|(x, sum)| turned[x * cells + y] = sum * share);
         }
-        map = turned;
+        std::mem::swap(&mut map, &mut turned);
     }
     map
 }

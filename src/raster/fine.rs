@@ -5,6 +5,8 @@
 #![expect(clippy::cast_sign_loss, reason = "pixels are clamped to the tile")]
 #![expect(clippy::cast_precision_loss, reason = "places within a tile are small")]
 
+use multiversion::multiversion;
+
 use super::bins::TILE;
 use super::project::{STEPS_A_PIXEL, Vertex};
 use super::triangle::{NOBODY, TILE_SIDE, area, cover, slope, touched};
@@ -117,8 +119,15 @@ impl Fine {
         self.pixels.iter().enumerate().flat_map(row).zip(&self.owner)
     }
 
-    /// Draws one triangle, of which no part is seen twice; see [`super::triangle::Samples::draw`].
-    pub(super) fn draw(
+    /// Draws one triangle; see [`super::triangle::Samples::draw`].
+    pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
+        draw_everywhere(self, corners, id, origin);
+    }
+
+    /// Draws one triangle at those places of the tile where it is there.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
+    pub(super) fn draw_where(
         &mut self,
         corners: [Vertex; 3],
         id: u32,
@@ -151,6 +160,8 @@ impl Fine {
         }
     }
 
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
     fn cover(
         &mut self,
         place: usize,
@@ -173,13 +184,21 @@ impl Fine {
         let is_hole = |s: usize| outside[s] >= 0 && !is_there(place(FINE_PLACES[s]));
         let outside = std::array::from_fn(|s| if is_hole(s) { -1 } else { outside[s] });
         let base = (setup.depth + setup.slope[0] * f64::from(x) + setup.slope[1] * f64::from(y)) as f32;
-        let z = setup.rise.map(|rise| setup.within(base + rise));
+        let z = std::array::from_fn(|s| setup.within(base + setup.rise[s]));
         cover(outside, z, id, depth, owner);
     }
 }
 
+/// Draws one triangle; wider vectors give the same bits.
+#[multiversion(targets("x86_64+avx2"))]
+fn draw_everywhere(fine: &mut Fine, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
+    fine.draw_where(corners, id, origin, |_| true);
+}
+
 impl FineSetup {
     /// Prepares a triangle for a tile; returns `None` if it has no area.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
     fn new(mut corners: [Vertex; 3], origin: [i32; 2]) -> Option<Self> {
         let area = area(&corners);
         if area == 0 {
@@ -199,12 +218,18 @@ impl FineSetup {
             let value = i64::from(dx) * (top - i64::from(a.y)) - i64::from(dy) * (left - i64::from(a.x));
             edges[k] = (value - i64::from(!counts)) >> STEP_SHIFT;
             (right[k], down[k]) = (-32 * i64::from(dy), 32 * i64::from(dx));
-            samples[k] = FINE_PLACES.map(|[x, y]| dx * y - dy * x);
+            for (sample, [x, y]) in samples[k].iter_mut().zip(FINE_PLACES) {
+                *sample = dx * y - dy * x;
+            }
         }
         let a = corners[0];
         let x = (left - i64::from(a.x)) as f64 / f64::from(STEPS_A_PIXEL);
         let y = (top - i64::from(a.y)) as f64 / f64::from(STEPS_A_PIXEL);
-        let depths = corners.map(|corner| corner.depth);
+        let mut rise = [0.0; FINE_SAMPLES];
+        for (rise, [x, y]) in rise.iter_mut().zip(FINE_PLACES) {
+            *rise = ((slope[0] * f64::from(x) + slope[1] * f64::from(y)) / 32.0) as f32;
+        }
+        let depths = [corners[0].depth, corners[1].depth, corners[2].depth];
         Some(Self {
             edges,
             right,
@@ -212,12 +237,14 @@ impl FineSetup {
             samples,
             depth: f64::from(a.depth) + slope[0] * x + slope[1] * y,
             slope,
-            rise: FINE_PLACES.map(|[x, y]| ((slope[0] * f64::from(x) + slope[1] * f64::from(y)) / 32.0) as f32),
+            rise,
             range: [depths[0].min(depths[1]).min(depths[2]), depths[0].max(depths[1]).max(depths[2])],
         })
     }
 
     /// Returns a depth, clamped to the depths of the corners.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
     fn within(&self, z: f32) -> f32 {
         let z = if z > self.range[0] { z } else { self.range[0] };
         if z < self.range[1] { z } else { self.range[1] }

@@ -33,6 +33,7 @@ mod sight;
 #[cfg(test)]
 mod tests;
 mod texels;
+mod tile_rows;
 mod tile_scratch;
 mod tiles;
 mod triangle;

@@ -11,6 +11,7 @@
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
+use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::bins::{TILE, TileGrid};
@@ -103,6 +104,8 @@ impl Lens {
     }
 
     /// Returns the distance of a depth; infinite where there is nothing.
+    #[expect(clippy::inline_always, reason = "only code inside of `blended` uses its wider vectors")]
+    #[inline(always)]
     fn distance(&self, depth: f32) -> f32 {
         if depth <= 0.0 {
             f32::INFINITY
@@ -234,33 +237,60 @@ impl Occlusion {
         sum / weight
     }
 
-    /// Returns the remaining fraction of light for a depth at a pixel, interpolated from the surrounding cells at
-    /// similar distances.
-    pub(super) fn open(&self, [x, y]: [usize; 2], depth: f32) -> f32 {
+    /// Returns the remaining fraction of light for the depths of a row of pixels of a tile, the first of which is given,
+    /// interpolated from the surrounding cells at similar distances.
+    pub(super) fn open(&self, [left, y]: [usize; 2], depths: &[f32; TILE]) -> [f32; TILE] {
         let [columns, rows] = self.size;
         if self.cell_px == 1 {
-            return self.open[y * columns + x];
+            return std::array::from_fn(|i| self.open[y * columns + (left + i).min(columns - 1)]);
         }
-        let place = |pixel: usize| (pixel as f32 + 0.5) / self.cell_px as f32 - 0.5;
-        let (u, v) = (place(x).max(0.0), place(y).max(0.0));
-        let (left, above) = (u as usize, v as usize);
-        let (u, v) = (u - left as f32, v - above as f32);
-        let (right, below) = ((left + 1).min(columns - 1), (above + 1).min(rows - 1));
-        let (upper, lower) = (above * columns, below * columns);
-        let cells = [upper + left, upper + right, lower + left, lower + right];
-        let open = cells.map(|cell| self.open[cell]);
-        if open.iter().all(|open| *open >= 1.0) {
-            return 1.0;
+        let place = |pixel: usize| ((pixel as f32 + 0.5) / self.cell_px as f32 - 0.5).max(0.0);
+        let upper = place(y) as usize;
+        let down = place(y) - upper as f32;
+        let lines = [upper, (upper + 1).min(rows - 1)].map(|row| row * columns);
+        let mut around = CellsAround { open: [[1.0; TILE]; 4], distance: [[0.0; TILE]; 4], right: [0.0; TILE], down };
+        for i in 0..TILE {
+            let column = (place(left + i) as usize).min(columns - 1);
+            around.right[i] = place(left + i) - column as f32;
+            let next = (column + 1).min(columns - 1);
+            for (k, cell) in [lines[0] + column, lines[0] + next, lines[1] + column, lines[1] + next].iter().enumerate()
+            {
+                (around.open[k][i], around.distance[k][i]) = (self.open[*cell], self.distance[*cell]);
+            }
         }
-        let distance = self.lens.distance(depth);
+        if around.open.iter().flatten().all(|open| *open >= 1.0) {
+            return [1.0; TILE];
+        }
+        blended(&self.lens, &around, depths)
+    }
+}
+
+/// The four cells around each pixel of a row.
+struct CellsAround {
+    open: [[f32; TILE]; 4],
+    distance: [[f32; TILE]; 4],
+    /// How far to the right of the left cells each pixel is, and how far below the upper cells, in cells.
+    right: [f32; TILE],
+    down: f32,
+}
+
+/// Returns the mean of four cells for each pixel, weighted by how near they are in the picture and in distance. Wider
+/// vectors give the same bits.
+#[multiversion(targets("x86_64+avx2"))]
+fn blended(lens: &Lens, around: &CellsAround, depths: &[f32; TILE]) -> [f32; TILE] {
+    let mut open = [0.0; TILE];
+    for i in 0..TILE {
+        let distance = lens.distance(depths[i]);
+        let (u, v) = (around.right[i], around.down);
         let shares = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
         let (mut sum, mut weights) = (0.0, 0.0);
         for k in 0..4 {
-            let near = 1.0 - (self.distance[cells[k]] - distance).abs() * (4.0 / OCCLUDER_REACH);
+            let near = 1.0 - (around.distance[k][i] - distance).abs() * (4.0 / OCCLUDER_REACH);
             let weight = if near > 0.0 { shares[k] * near + 1e-6 } else { 1e-6 };
-            sum += weight * open[k];
+            sum += weight * around.open[k][i];
             weights += weight;
         }
-        sum / weights
+        open[i] = sum / weights;
     }
+    open
 }

@@ -30,7 +30,7 @@ const LINEAR_LIGHT_STEPS: usize = 4096;
 
 /// Table from linear light to sRGB bytes.
 #[derive(Debug)]
-pub(super) struct SrgbTable(Vec<u8>);
+pub(super) struct SrgbTable([u8; LINEAR_LIGHT_STEPS]);
 
 /// The table, made once.
 pub(super) static ENCODING: LazyLock<SrgbTable> = LazyLock::new(SrgbTable::new);
@@ -45,33 +45,34 @@ impl SrgbTable {
             let byte = (255.0 * s + 0.5) as u8;
             byte
         };
-        Self((0..).take(LINEAR_LIGHT_STEPS).map(byte).collect())
+        Self(std::array::from_fn(|i| byte(u32::try_from(i).expect("the table is short"))))
     }
 
     /// Returns the byte of a linear light; values outside 0 to 1 are clamped, and NaN gives 0.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "the cast saturates and the table is short"
-    )]
     pub(super) fn byte(&self, light: f32) -> u8 {
-        let i = (light * (LINEAR_LIGHT_STEPS - 1) as f32 + 0.5) as usize;
-        self.0[i.min(LINEAR_LIGHT_STEPS - 1)]
+        self.of_step(light_step(light))
     }
 
-    /// Returns the straight sRGB bytes of a linear colour premultiplied by its alpha.
-    pub(super) fn pixel(&self, [r, g, b, a]: [f32; 4]) -> [u8; 4] {
-        if a >= 0.9999 {
-            return [self.byte(r), self.byte(g), self.byte(b), 255];
-        }
-        if a <= 0.0 {
-            return [0; 4];
-        }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a is in 0..=1")]
-        let alpha = (a * 255.0 + 0.5) as u8;
-        [self.byte(r / a), self.byte(g / a), self.byte(b / a), alpha]
+    /// Returns the byte of an entry of the table, counted by [`light_step`].
+    pub(super) fn of_step(&self, step: u16) -> u8 {
+        self.0[usize::from(step) % LINEAR_LIGHT_STEPS]
     }
+}
+
+/// Returns the entry of the table for a linear light; values outside 0 to 1 are clamped, and NaN gives 0.
+#[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "the number is clamped before the cast, and the table is short"
+)]
+pub(super) fn light_step(light: f32) -> u16 {
+    let last = (LINEAR_LIGHT_STEPS - 1) as f32;
+    let step = light * last + 0.5;
+    let step = if step > 0.0 { step } else { 0.0 };
+    (if step < last { step } else { last }) as i32 as u16
 }
 
 /// Returns the linear, premultiplied light of straight sRGB bytes.

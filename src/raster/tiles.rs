@@ -5,10 +5,11 @@ use rayon::prelude::*;
 use super::binned_model::BinnedModel;
 use super::bins::{TILE, TileGrid};
 use super::camera::Camera;
-use super::contact::{Ground, Shadow, ShadowRow};
+use super::contact::{Ground, Shadow};
 use super::model::Model;
 use super::occlusion::Occlusion;
-use super::pixmap::{ENCODING, Pixmap, premultiplied};
+use super::pixmap::{Pixmap, premultiplied};
+use super::tile_rows::TileWriter;
 use super::tile_scratch::{Drawn, TileScratch};
 use crate::watch::{Stopped, Watch};
 
@@ -49,15 +50,16 @@ pub fn render(
     let shadow = Shadow::of(model, camera, look.shadow, watch)?;
     let tiles = drawn(&BinnedModel::new(model, camera, grid, watch)?, look.is_fine, watch)?;
     let occlusion = if look.is_occluded { Some(Occlusion::of(&tiles, grid, camera, watch)?) } else { None };
-    let finish = TileWriter { look, occlusion, shadow, paper: premultiplied(look.background) };
+    let background = look.background;
+    let writer = TileWriter { background, paper: premultiplied(background), occlusion, shadow };
     let (columns, n_rows) = (width as usize, height as usize);
     let mut bytes = vec![0; columns * n_rows * 4];
     bytes.par_chunks_mut(columns * 4).enumerate().try_for_each(|(y, line)| {
         watch.check()?;
         let row = &tiles[y / TILE * usize::from(grid.columns)..];
-        let shadow = finish.shadow.as_ref().and_then(|shadow| shadow.row(y));
+        let shadow = writer.shadow.as_ref().and_then(|shadow| shadow.row(y));
         for (column, part) in line.chunks_mut(TILE * 4).enumerate() {
-            finish.write(row[column].as_ref(), shadow.as_ref(), [column * TILE, y], part);
+            writer.write(row[column].as_ref(), shadow.as_ref(), [column * TILE, y], part);
         }
         Ok(())
     })?;
@@ -75,53 +77,4 @@ fn drawn(model: &BinnedModel<'_>, is_fine: bool, watch: &Watch) -> Result<Vec<Op
         scratch.draw(model, (tile, origin), is_fine, watch)
     };
     tiles.map_init(|| TileScratch::new(model), draw).collect()
-}
-
-/// Encodes drawn tiles as the bytes of pixels.
-struct TileWriter {
-    look: RenderStyle,
-    occlusion: Option<Occlusion>,
-    shadow: Option<Shadow>,
-    /// The background, linear and premultiplied.
-    paper: [f32; 4],
-}
-
-impl TileWriter {
-    /// Writes the pixels of one row of a tile, from pixel `place` of the picture on.
-    fn write(&self, tile: Option<&Drawn>, shadow: Option<&ShadowRow<'_>>, [left, y]: [usize; 2], part: &mut [u8]) {
-        let pixels = part.as_chunks_mut::<4>().0;
-        if tile.is_none() && shadow.is_none() {
-            pixels.fill(self.look.background);
-            return;
-        }
-        let first = y % TILE * TILE;
-        for (x, pixel) in pixels.iter_mut().enumerate() {
-            let mut light = tile.and_then(|tile| tile.surface.get(first + x)).copied().map_or([0.0; 4], unpacked);
-            if light[3] > 0.0
-                && let (Some(occlusion), Some(tile)) = (&self.occlusion, tile)
-            {
-                let open = occlusion.open([left + x, y], tile.depth[first + x]);
-                light = [light[0] * open, light[1] * open, light[2] * open, light[3]];
-            }
-            let line = tile.and_then(|tile| tile.over.get(first + x)).copied().map_or([0.0; 4], unpacked);
-            if light[3] < 1.0 {
-                let dark = shadow.map_or(0.0, |shadow| shadow.at(left + x));
-                if [light[3], line[3], dark].iter().all(|share| *share <= 0.0) {
-                    *pixel = self.look.background;
-                    continue;
-                }
-                light = over(light, over([0.0, 0.0, 0.0, dark], self.paper));
-            }
-            *pixel = ENCODING.pixel(over(line, light));
-        }
-    }
-}
-
-fn unpacked(light: [u16; 4]) -> [f32; 4] {
-    light.map(|x| f32::from(x) * (1.0 / 65535.0))
-}
-
-/// Composes linear, premultiplied light over other light.
-fn over(light: [f32; 4], under: [f32; 4]) -> [f32; 4] {
-    std::array::from_fn(|k| light[k] + (1.0 - light[3]) * under[k])
 }

@@ -348,7 +348,9 @@ impl TriangleSetup {
                 TileEdge::Crossing(value, right, down) => {
                     (setup.right[k], setup.down[k]) = (8 * right, 8 * down);
                     setup.edges[k] = value.wrapping_add(8 * right * left).wrapping_add(8 * down * top);
-                    setup.samples[k] = SAMPLE_PLACES.map(|[x, y]| right * x + down * y);
+                    for (sample, [x, y]) in setup.samples[k].iter_mut().zip(SAMPLE_PLACES) {
+                        *sample = right * x + down * y;
+                    }
                 }
             }
         }

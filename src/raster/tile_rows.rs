@@ -1,0 +1,121 @@
+//! Encodes drawn tiles as the bytes of pixels, one row of a tile at a time, channel by channel.
+
+#![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers are clamped before the casts")]
+
+use multiversion::multiversion;
+
+use super::bins::TILE;
+use super::contact::{Shadow, ShadowRow};
+use super::occlusion::Occlusion;
+use super::pixmap::{ENCODING, light_step};
+use super::tile_scratch::Drawn;
+
+/// Linear light of the pixels of a row, premultiplied: red, green, blue, and what is covered of each pixel.
+type RowLight = [[f32; TILE]; 4];
+
+/// The share from which a pixel is opaque: less than half a step of a byte from 1. Twice as far away pixels of 254 would
+/// be opaque; half of it is closer to the rounding of sums of sixteen samples.
+const OPAQUE: f32 = 0.9999;
+
+/// Composes the layers of a picture and encodes them.
+pub(super) struct TileWriter {
+    /// The background as a pixel.
+    pub(super) background: [u8; 4],
+    /// The background, linear and premultiplied.
+    pub(super) paper: [f32; 4],
+    pub(super) occlusion: Option<Occlusion>,
+    pub(super) shadow: Option<Shadow>,
+}
+
+/// Pixels of a row, ready for the table of bytes.
+struct EncodedRow {
+    /// Red, green and blue in steps of the table.
+    steps: [[u16; TILE]; 3],
+    alpha: [u8; TILE],
+    /// Whether something is drawn, and whether any of it remains after rounding.
+    is_drawn: [bool; TILE],
+    is_seen: [bool; TILE],
+}
+
+impl TileWriter {
+    /// Writes the pixels of one row of a tile, from pixel `place` of the picture on.
+    pub(super) fn write(
+        &self,
+        tile: Option<&Drawn>,
+        shadow: Option<&ShadowRow<'_>>,
+        [left, y]: [usize; 2],
+        part: &mut [u8],
+    ) {
+        let pixels = part.as_chunks_mut::<4>().0;
+        if tile.is_none() && shadow.is_none() {
+            pixels.fill(self.background);
+            return;
+        }
+        let first = y % TILE * TILE;
+        let row = |list: &[[u16; 4]]| list.get(first..).and_then(<[_]>::first_chunk).map(unpacked);
+        let surface = tile.and_then(|tile| row(&tile.surface));
+        let mut light = surface.unwrap_or([[0.0; TILE]; 4]);
+        if let (Some(_), Some(occlusion), Some(tile)) = (surface, &self.occlusion, tile)
+            && let Some(depths) = tile.depth.get(first..).and_then(<[_]>::first_chunk)
+        {
+            darken(&mut light, &occlusion.open([left, y], depths));
+        }
+        let lines = tile.and_then(|tile| row(&tile.over)).unwrap_or([[0.0; TILE]; 4]);
+        let is_open = light[3].iter().any(|share| *share < 1.0);
+        let dark = shadow.filter(|_| is_open).map_or([0.0; TILE], |shadow| shadow.dark(left));
+        let encoded = encoded(&light, &lines, &dark, self.paper);
+        for (x, pixel) in pixels.iter_mut().enumerate().take(TILE) {
+            *pixel = if !encoded.is_drawn[x] {
+                self.background
+            } else if encoded.is_seen[x] {
+                let [red, green, blue] = [0, 1, 2].map(|k| ENCODING.of_step(encoded.steps[k][x]));
+                [red, green, blue, encoded.alpha[x]]
+            } else {
+                [0; 4]
+            };
+        }
+    }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn unpacked(row: &[[u16; 4]; TILE]) -> RowLight {
+    let mut light = [[0.0; TILE]; 4];
+    for (x, pixel) in row.iter().enumerate() {
+        for k in 0..4 {
+            light[k][x] = f32::from(pixel[k]) * (1.0 / 65535.0);
+        }
+    }
+    light
+}
+
+fn darken(light: &mut RowLight, open: &[f32; TILE]) {
+    for channel in &mut light[..3] {
+        channel.iter_mut().zip(open).for_each(|(light, open)| *light *= open);
+    }
+}
+
+/// Lays a surface over the shadow on the background, and lines over all.
+#[multiversion(targets("x86_64+avx2"))]
+fn encoded(surface: &RowLight, lines: &RowLight, dark: &[f32; TILE], paper: [f32; 4]) -> EncodedRow {
+    let mut light = [[0.0; TILE]; 4];
+    for k in 0..4 {
+        for x in 0..TILE {
+            let shade = if k == 3 { dark[x] } else { 0.0 };
+            let ground = shade + (1.0 - dark[x]) * paper[k];
+            let rest = if surface[3][x] < 1.0 { 1.0 - surface[3][x] } else { 0.0 };
+            light[k][x] = lines[k][x] + (1.0 - lines[3][x]) * (surface[k][x] + rest * ground);
+        }
+    }
+    let mut row =
+        EncodedRow { steps: [[0; TILE]; 3], alpha: [0; TILE], is_drawn: [false; TILE], is_seen: [false; TILE] };
+    for x in 0..TILE {
+        let alpha = if light[3][x] >= OPAQUE { 1.0 } else { light[3][x] };
+        for k in 0..3 {
+            row.steps[k][x] = light_step(light[k][x] / alpha);
+        }
+        row.alpha[x] = (alpha * 255.0 + 0.5) as i32 as u8;
+        row.is_drawn[x] = surface[3][x].max(lines[3][x]).max(dark[x]) > 0.0;
+        row.is_seen[x] = alpha > 0.0;
+    }
+    row
+}
