@@ -67,6 +67,8 @@ pub(super) struct Occlusion {
     lens: Lens,
     /// Side of a cell, in pixels.
     cell_px: usize,
+    /// Its inverse; both are powers of two.
+    cells_a_px: f32,
     size: [usize; 2],
     /// Distance along the view in radii of the model; infinite where there is nothing.
     distance: Vec<f32>,
@@ -117,6 +119,8 @@ impl Lens {
     }
 
     /// Returns the position at pixel coordinates and a distance: right, down, forward.
+    #[expect(clippy::inline_always, reason = "only code inside of `hidden` uses its wider vectors")]
+    #[inline(always)]
     fn point(&self, [x, y]: [f32; 2], distance: f32) -> Vec3f {
         let scale = if self.perspective { distance * self.focal[1] } else { self.focal[1] };
         [(x - self.centre_px[0]) * scale, (y - self.centre_px[1]) * scale, distance]
@@ -145,7 +149,7 @@ impl Occlusion {
             lens.distance(depth.copied().unwrap_or(0.0))
         };
         let distance = (0..size[0] * size[1]).into_par_iter().with_min_len(4096).map(distance).collect();
-        let mut occlusion = Self { lens, cell_px, size, distance, open: Vec::new() };
+        let mut occlusion = Self { lens, cell_px, cells_a_px: 1.0 / cell_px as f32, size, distance, open: Vec::new() };
         occlusion.open = occlusion.by_row(watch, |x, y| occlusion.found(x, y))?;
         occlusion.open = occlusion.by_row(watch, |x, y| occlusion.smoothed(x, y))?;
         Ok(occlusion)
@@ -172,8 +176,7 @@ impl Occlusion {
 
     /// Returns the position of the surface in a cell.
     fn point(&self, x: isize, y: isize) -> Vec3f {
-        let place = [x, y].map(|cell| (cell as f32 + 0.5) * self.cell_px as f32);
-        self.lens.point(place, self.distance(x, y))
+        self.lens.point(self.middle(x, y), self.distance(x, y))
     }
 
     fn found(&self, x: usize, y: usize) -> f32 {
@@ -186,24 +189,22 @@ impl Occlusion {
         let reach =
             (OCCLUDER_REACH * self.lens.pixels(at[2]) / self.cell_px as f32).clamp(REACH_CELLS[0], REACH_CELLS[1]);
         let turn = ((x & 3) * 4 + (y & 3)) as usize;
-        let mut hidden = 0.0;
-        for [right, down] in CIRCLE_PLACES[turn] {
+        let mut around = [[0.0; PLACES_A_CELL]; 3];
+        for (tap, [right, down]) in CIRCLE_PLACES[turn].into_iter().enumerate() {
             // to the nearest, moved up so that the cast rounds down
             let [i, j] = [right, down].map(|share| (reach * share + 128.5) as isize - 128);
-            let distance = self.distance(x + i, y + j);
-            if (i, j) == (0, 0) || distance.is_infinite() {
-                continue;
-            }
-            let other = self.point(x + i, y + j);
-            let to: Vec3f = std::array::from_fn(|k| other[k] - at[k]);
-            let square = dot(to, to);
-            let sine = dot(to, normal) / square.sqrt() - LEAST_OCCLUDER_SINE;
-            let near = 1.0 - square * (1.0 / (OCCLUDER_REACH * OCCLUDER_REACH));
-            if sine > 0.0 && near > 0.0 {
-                hidden += sine * near;
-            }
+            // what is infinitely far away hides nothing
+            let distance = if (i, j) == (0, 0) { f32::INFINITY } else { self.distance(x + i, y + j) };
+            [around[0][tap], around[1][tap]] = self.middle(x + i, y + j);
+            around[2][tap] = distance;
         }
+        let hidden = hidden(&self.lens, &around, at, normal).into_iter().fold(0.0, |sum, share| sum + share);
         (1.0 - OCCLUSION_STRENGTH * hidden / PLACES_A_CELL as f32).max(LEAST_OPEN)
+    }
+
+    /// Returns the pixel coordinates of the middle of a cell.
+    fn middle(&self, x: isize, y: isize) -> [f32; 2] {
+        [x, y].map(|cell| (cell as f32 + 0.5) * self.cell_px as f32)
     }
 
     /// Returns the normal toward the viewer, from the neighbours with the most similar distances.
@@ -237,6 +238,14 @@ impl Occlusion {
         sum / weight
     }
 
+    /// Returns the column of the cell whose middle is left of a column of pixels, and how far to the right of it they
+    /// are, in cells; the same for rows.
+    fn cell_of(&self, pixel: usize) -> (usize, f32) {
+        let place = ((pixel as f32 + 0.5) * self.cells_a_px - 0.5).max(0.0);
+        let cell = place as usize;
+        (cell, place - cell as f32)
+    }
+
     /// Returns the remaining fraction of light for the depths of a row of pixels of a tile, the first of which is given,
     /// interpolated from the surrounding cells at similar distances.
     pub(super) fn open(&self, [left, y]: [usize; 2], depths: &[f32; TILE]) -> [f32; TILE] {
@@ -244,25 +253,43 @@ impl Occlusion {
         if self.cell_px == 1 {
             return std::array::from_fn(|i| self.open[y * columns + (left + i).min(columns - 1)]);
         }
-        let place = |pixel: usize| ((pixel as f32 + 0.5) / self.cell_px as f32 - 0.5).max(0.0);
-        let upper = place(y) as usize;
-        let down = place(y) - upper as f32;
-        let lines = [upper, (upper + 1).min(rows - 1)].map(|row| row * columns);
+        let (upper, down) = self.cell_of(y);
+        let lines = [upper, (upper + 1).min(rows - 1)].map(|row| row * columns..row * columns + columns);
+        let open = lines.clone().map(|line| &self.open[line]);
+        let distance = lines.map(|line| &self.distance[line]);
         let mut around = CellsAround { open: [[1.0; TILE]; 4], distance: [[0.0; TILE]; 4], right: [0.0; TILE], down };
-        for i in 0..TILE {
-            let column = (place(left + i) as usize).min(columns - 1);
-            around.right[i] = place(left + i) - column as f32;
-            let next = (column + 1).min(columns - 1);
-            for (k, cell) in [lines[0] + column, lines[0] + next, lines[1] + column, lines[1] + next].iter().enumerate()
-            {
-                (around.open[k][i], around.distance[k][i]) = (self.open[*cell], self.distance[*cell]);
-            }
-        }
-        if around.open.iter().flatten().all(|open| *open >= 1.0) {
+        let (first, end) = (self.cell_of(left).0, (self.cell_of(left + TILE).0 + 2).min(columns));
+        if open.iter().all(|line| line[first..end].iter().all(|open| *open >= 1.0)) {
             return [1.0; TILE];
+        }
+        for i in 0..TILE {
+            let (column, right) = self.cell_of(left + i);
+            let sides = [column.min(columns - 1), (column + 1).min(columns - 1)];
+            around.right[i] = right;
+            for k in 0..4 {
+                around.open[k][i] = open[k / 2][sides[k % 2]];
+                around.distance[k][i] = distance[k / 2][sides[k % 2]];
+            }
         }
         blended(&self.lens, &around, depths)
     }
+}
+
+/// Returns how much each of some places, given by pixel coordinates and distances, hides of the sky above the point `at`.
+/// Wider vectors give the same bits.
+#[multiversion(targets("x86_64+avx2"))]
+fn hidden(lens: &Lens, around: &[[f32; PLACES_A_CELL]; 3], at: Vec3f, normal: Vec3f) -> [f32; PLACES_A_CELL] {
+    let mut hidden = [0.0; PLACES_A_CELL];
+    for tap in 0..PLACES_A_CELL {
+        let distance = around[2][tap];
+        let other = lens.point([around[0][tap], around[1][tap]], distance);
+        let to = [other[0] - at[0], other[1] - at[1], other[2] - at[2]];
+        let square = dot(to, to);
+        let sine = dot(to, normal) / square.sqrt() - LEAST_OCCLUDER_SINE;
+        let near = 1.0 - square * (1.0 / (OCCLUDER_REACH * OCCLUDER_REACH));
+        hidden[tap] = if (distance < f32::INFINITY) & (sine > 0.0) & (near > 0.0) { sine * near } else { 0.0 };
+    }
+    hidden
 }
 
 /// The four cells around each pixel of a row.

@@ -14,7 +14,8 @@ use crate::math::vector::{Vector, plus, times};
 
 pub(super) type Vec3f = [f32; 3];
 
-#[inline]
+#[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
+#[inline(always)]
 pub(super) fn dot(a: Vec3f, b: Vec3f) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

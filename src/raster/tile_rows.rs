@@ -1,13 +1,13 @@
 //! Encodes drawn tiles as the bytes of pixels, one row of a tile at a time, channel by channel.
 
-#![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers are clamped before the casts")]
+#![expect(clippy::cast_possible_truncation, reason = "shares of a byte fit in it")]
 
 use multiversion::multiversion;
 
 use super::bins::TILE;
 use super::contact::{Shadow, ShadowRow};
 use super::occlusion::Occlusion;
-use super::pixmap::{ENCODING, light_step};
+use super::pixmap::{ENCODING, light_step, rounded_down};
 use super::tile_scratch::Drawn;
 
 /// Linear light of the pixels of a row, premultiplied: red, green, blue, and what is covered of each pixel.
@@ -113,7 +113,7 @@ fn encoded(surface: &RowLight, lines: &RowLight, dark: &[f32; TILE], paper: [f32
         for k in 0..3 {
             row.steps[k][x] = light_step(light[k][x] / alpha);
         }
-        row.alpha[x] = (alpha * 255.0 + 0.5) as i32 as u8;
+        row.alpha[x] = rounded_down(alpha * 255.0 + 0.5) as u8;
         row.is_drawn[x] = surface[3][x].max(lines[3][x]).max(dark[x]) > 0.0;
         row.is_seen[x] = alpha > 0.0;
     }

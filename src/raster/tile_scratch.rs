@@ -248,38 +248,56 @@ impl Lighter {
         centre: impl Fn(u32) -> [f32; 3],
     ) {
         let all = (1 << SAMPLES) - 1;
-        let [x, y] = [(pixel % TILE_WIDTH) as f32, (pixel / TILE_WIDTH) as f32];
+        if owners.iter().all(|owner| *owner == owners[0]) {
+            if owners[0] != NOBODY {
+                self.add_part::<IS_CLEAR>(model, lamps, (pixel, owners[0]), origin, centre(all));
+            }
+            return;
+        }
         let mut rest = held_by(owners, NOBODY);
-        if rest != 0 && rest != all {
+        if rest != 0 {
             self.marks.add(pixel);
         }
         while rest != all {
             let owner = owners[rest.trailing_ones() as usize];
             let held = held_by(owners, owner);
             rest |= held;
-            let (facet, tint) = self.facets.of(model, owner, origin);
-            let [right, down, share] = centre(held);
-            let place = [x + right, y + down];
-            let paint = model.paint.as_ref().zip(tint).map(|(paint, tint)| paint.color(tint, place));
-            let finished = model.finisher.as_ref().map(|finisher| {
-                let normal = |place| facet.normal(place);
-                let corner = origin.map(|o| o as f32);
-                finisher.color(paint.unwrap_or(lamps.outside), normal, place, corner, facet.back)
-            });
-            if let Some(color) = finished.or(paint) {
-                self.spots.color(color);
-            }
-            let global = [origin[0] as f32 + place[0], origin[1] as f32 + place[1]];
-            let alpha = model.paint.as_ref().zip(tint).filter(|_| IS_CLEAR);
-            let alpha = alpha.map_or(1.0, |(paint, tint)| paint.alpha(model.whole(owner), tint, place));
-            let share = share * alpha;
-            if let Some(paint) = &model.paint {
-                self.spots.finish(paint.finish(model.whole(owner)));
-            }
-            self.spots.push((pixel, share), facet.normal(place), global, facet.back);
-            if self.spots.full() {
-                self.finish(model, lamps);
-            }
+            self.add_part::<IS_CLEAR>(model, lamps, (pixel, owner), origin, centre(held));
+        }
+    }
+
+    /// Lights the part of a pixel in which a triangle is seen; the part is given by its centroid and its share.
+    #[inline]
+    fn add_part<const IS_CLEAR: bool>(
+        &mut self,
+        model: &BinnedModel<'_>,
+        lamps: &Lamps,
+        (pixel, owner): (u32, u32),
+        origin: [i32; 2],
+        [right, down, share]: [f32; 3],
+    ) {
+        let (facet, tint) = self.facets.of(model, owner, origin);
+        let [x, y] = [(pixel % TILE_WIDTH) as f32, (pixel / TILE_WIDTH) as f32];
+        let place = [x + right, y + down];
+        let paint = model.paint.as_ref().zip(tint).map(|(paint, tint)| paint.color(tint, place));
+        let finished = model.finisher.as_ref().map(|finisher| {
+            let normal = |place| facet.normal(place);
+            let corner = origin.map(|o| o as f32);
+            finisher.color(paint.unwrap_or(lamps.outside), normal, place, corner, facet.back)
+        });
+        if let Some(color) = finished.or(paint) {
+            self.spots.color(color);
+        }
+        let global = [origin[0] as f32 + place[0], origin[1] as f32 + place[1]];
+        let alpha = model.paint.as_ref().zip(tint).filter(|_| IS_CLEAR);
+        let alpha = alpha.map_or(1.0, |(paint, tint)| paint.alpha(model.whole(owner), tint, place));
+        let share = share * alpha;
+        if let Some(paint) = &model.paint {
+            self.spots.finish(paint.finish(model.whole(owner)));
+        }
+        self.spots.push((pixel, share), facet.normal(place), global, facet.back);
+        if self.spots.full() {
+            self.finish(model, lamps);
         }
     }
 
