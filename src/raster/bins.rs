@@ -30,6 +30,19 @@ impl TileRect {
         })
     }
 
+    /// Calls a function with the number of each tile, in a grid of so many columns.
+    #[inline]
+    fn each(self, columns: usize, mut at: impl FnMut(usize)) {
+        let first = usize::from(self.top) * columns + usize::from(self.left);
+        if self.tiles() == 1 {
+            return at(first);
+        }
+        let width = usize::from(self.right - self.left);
+        for row in 0..=usize::from(self.bottom - self.top) {
+            (0..=width).for_each(|column| at(first + row * columns + column));
+        }
+    }
+
     fn tiles(self) -> usize {
         usize::from(self.right - self.left + 1) * usize::from(self.bottom - self.top + 1)
     }
@@ -80,11 +93,6 @@ impl Bins {
             return Self::default();
         }
         let columns = usize::from(grid.columns);
-        let each = |rect: TileRect, at: &mut dyn FnMut(usize)| {
-            for row in rect.top..=rect.bottom {
-                (rect.left..=rect.right).for_each(|column| at(usize::from(row) * columns + usize::from(column)));
-            }
-        };
         let mut starts = vec![0_u32; grid.len() + 2];
         let mut nearest = vec![0.0_f32; grid.len()];
         let mut large = Vec::new();
@@ -92,7 +100,7 @@ impl Bins {
             if rect.tiles() > FEW_TILES {
                 large.push(item);
             } else {
-                each(rect, &mut |tile| {
+                rect.each(columns, |tile| {
                     starts[tile + 2] += 1;
                     nearest[tile] = nearest[tile].max(depth);
                 });
@@ -103,7 +111,7 @@ impl Bins {
         }
         let mut items = vec![0; starts[starts.len() - 1] as usize];
         for &(item, rect, _) in found.iter().filter(|(_, rect, _)| rect.tiles() <= FEW_TILES) {
-            each(rect, &mut |tile| {
+            rect.each(columns, |tile| {
                 items[starts[tile + 1] as usize] = item;
                 starts[tile + 1] += 1;
             });

@@ -199,7 +199,6 @@ fn on_map<'a>(row: &ShadowRow<'a>, first: f64) -> ([[f64; TILE]; 2], [f32; TILE]
         let along = |v: &[Vector; 2], k: usize| v[0][k] + x * v[1][k];
         let way = -along(&row.origin, 2) / along(&row.ray, 2);
         let place = [0, 1].map(|k| along(&row.origin, k) + way * along(&row.ray, k));
-        let is_seen = (x >= left) & (x < right) & (way > 0.0) & (place[0].abs() < 1.0) & (place[1].abs() < 1.0);
         for k in 0..2 {
             let cell = (0.5 * place[k] + 0.5) * cells - 0.5;
             let cell = if cell > 0.0 { cell } else { 0.0 };
@@ -209,7 +208,8 @@ fn on_map<'a>(row: &ShadowRow<'a>, first: f64) -> ([[f64; TILE]; 2], [f32; TILE]
         let edge_px = if edge_px < row.edge_px { edge_px } else { row.edge_px };
         let inside = edge_px / fade_px;
         let inside = if inside < 1.0 { inside } else { 1.0 };
-        shares[i] = if is_seen { inside as f32 } else { 0.0 };
+        let is_seen = [x >= left, x < right, way > 0.0, place[0].abs() < 1.0, place[1].abs() < 1.0];
+        shares[i] = is_seen.iter().fold(inside as f32, |share, is_seen| if *is_seen { share } else { 0.0 });
     }
     (places, shares)
 }
@@ -445,7 +445,7 @@ fn smoothed(mut map: Vec<f32>, cells: usize, reach: usize) -> Vec<f32> {
         for (y, row) in map.chunks(cells).enumerate() {
             // each sum from left to right, all of them side by side
             sums.fill(0.0);
-            let mut add = |sums: &mut [f32], row: &[f32]| sums.iter_mut().zip(row).for_each(|(sum, cell)| *sum += cell);
+            let add = |sums: &mut [f32], row: &[f32]| sums.iter_mut().zip(row).for_each(|(sum, cell)| *sum += cell);
             (1..=reach.min(cells)).rev().for_each(|left| add(&mut sums[left..], row));
             (0..=reach.min(cells)).for_each(|right| add(&mut sums, &row[right..]));
             // transposed, so that rows are columns the next time

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use super::bins::{TILE, TileGrid};
 use super::camera::{Camera, Projection};
-use super::shade::{Vec3f, dot};
+use super::shade::{Vec3f, dot, positive};
 use super::tile_scratch::Drawn;
 use crate::math::functions::{cos, sin};
 use crate::watch::{Stopped, Watch};
@@ -193,7 +193,6 @@ impl Occlusion {
         for (tap, [right, down]) in CIRCLE_PLACES[turn].into_iter().enumerate() {
             // to the nearest, moved up so that the cast rounds down
             let [i, j] = [right, down].map(|share| (reach * share + 128.5) as isize - 128);
-            // what is infinitely far away hides nothing
             let distance = if (i, j) == (0, 0) { f32::INFINITY } else { self.distance(x + i, y + j) };
             [around[0][tap], around[1][tap]] = self.middle(x + i, y + j);
             around[2][tap] = distance;
@@ -287,7 +286,8 @@ fn hidden(lens: &Lens, around: &[[f32; PLACES_A_CELL]; 3], at: Vec3f, normal: Ve
         let square = dot(to, to);
         let sine = dot(to, normal) / square.sqrt() - LEAST_OCCLUDER_SINE;
         let near = 1.0 - square * (1.0 / (OCCLUDER_REACH * OCCLUDER_REACH));
-        hidden[tap] = if (distance < f32::INFINITY) & (sine > 0.0) & (near > 0.0) { sine * near } else { 0.0 };
+        // what is infinitely far away is not near
+        hidden[tap] = positive(sine) * positive(near);
     }
     hidden
 }
@@ -311,10 +311,10 @@ fn blended(lens: &Lens, around: &CellsAround, depths: &[f32; TILE]) -> [f32; TIL
         let (u, v) = (around.right[i], around.down);
         let shares = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
         let (mut sum, mut weights) = (0.0, 0.0);
-        for k in 0..4 {
-            let near = 1.0 - (around.distance[k][i] - distance).abs() * (4.0 / OCCLUDER_REACH);
-            let weight = if near > 0.0 { shares[k] * near + 1e-6 } else { 1e-6 };
-            sum += weight * around.open[k][i];
+        for ((share, cells), open) in shares.iter().zip(&around.distance).zip(&around.open) {
+            let near = 1.0 - (cells[i] - distance).abs() * (4.0 / OCCLUDER_REACH);
+            let weight = if near > 0.0 { share * near + 1e-6 } else { 1e-6 };
+            sum += weight * open[i];
             weights += weight;
         }
         open[i] = sum / weights;

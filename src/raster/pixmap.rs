@@ -60,9 +60,9 @@ impl SrgbTable {
 }
 
 /// Returns the entry of the table for a linear light; values outside 0 to 1 are clamped, and NaN gives 0.
+#[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "the table is short")]
 #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
 #[inline(always)]
-#[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "the table is short")]
 pub(super) fn light_step(light: f32) -> u16 {
     let last = (LINEAR_LIGHT_STEPS - 1) as f32;
     let step = light * last + 0.5;
@@ -71,7 +71,6 @@ pub(super) fn light_step(light: f32) -> u16 {
 }
 
 /// Returns a number from 0 to 2^22, rounded down. There is no cast, which would be done one by one to saturate.
-#[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
 #[inline(always)]
 pub(super) fn rounded_down(x: f32) -> u32 {
     // numbers from here on have no digits after the point

@@ -184,8 +184,9 @@ fn differ(sum: &[f32; 4], light: Vec3f) -> bool {
 }
 
 /// Returns `x`, or 0 when it is negative or not a number.
-#[inline]
-fn positive(x: f32) -> f32 {
+#[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
+#[inline(always)]
+pub(super) fn positive(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
 }
 

@@ -110,8 +110,8 @@ fn encoded(surface: &RowLight, lines: &RowLight, dark: &[f32; TILE], paper: [f32
         EncodedRow { steps: [[0; TILE]; 3], alpha: [0; TILE], is_drawn: [false; TILE], is_seen: [false; TILE] };
     for x in 0..TILE {
         let alpha = if light[3][x] >= OPAQUE { 1.0 } else { light[3][x] };
-        for k in 0..3 {
-            row.steps[k][x] = light_step(light[k][x] / alpha);
+        for (steps, light) in row.steps.iter_mut().zip(&light) {
+            steps[x] = light_step(light[x] / alpha);
         }
         row.alpha[x] = rounded_down(alpha * 255.0 + 0.5) as u8;
         row.is_drawn[x] = surface[3][x].max(lines[3][x]).max(dark[x]) > 0.0;

@@ -134,7 +134,7 @@ impl Samples {
         is_there: impl Fn([f32; 2]) -> bool,
     ) {
         self.draw_rows(corners, origin, |setup, row, depths, owners| {
-            setup.cover_where(row, id, depths, owners, &is_there)
+            setup.cover_where(row, id, depths, owners, &is_there);
         });
     }
 
