@@ -119,7 +119,7 @@ impl Fine {
         self.pixels.iter().enumerate().flat_map(row).zip(&self.owner)
     }
 
-    /// Draws one triangle; see [`super::triangle::Samples::draw`].
+    /// Draws one triangle; see [`super::samples::Samples::draw`].
     pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
         draw_everywhere(self, corners, id, origin);
     }

@@ -20,6 +20,7 @@ mod facets;
 mod fine;
 mod finish;
 mod forecast;
+mod ground;
 #[cfg(test)]
 mod grounding_tests;
 mod line;
@@ -28,6 +29,7 @@ mod occlusion;
 mod paint;
 mod pixmap;
 mod project;
+mod samples;
 mod shade;
 mod sight;
 #[cfg(test)]

@@ -245,7 +245,7 @@ impl Occlusion {
         (cell, place - cell as f32)
     }
 
-    /// Returns the remaining fraction of light for the depths of a row of pixels of a tile, the first of which is given,
+    /// Returns the remaining fraction of light for the depths of a row of pixels of a tile, the first at `[left, y]`,
     /// interpolated from the surrounding cells at similar distances.
     pub(super) fn open(&self, [left, y]: [usize; 2], depths: &[f32; TILE]) -> [f32; TILE] {
         let [columns, rows] = self.size;
@@ -274,8 +274,8 @@ impl Occlusion {
     }
 }
 
-/// Returns how much each of some places, given by pixel coordinates and distances, hides of the sky above the point `at`.
-/// Wider vectors give the same bits.
+/// Returns how much each of some places, given by pixel coordinates and distances, hides of the sky above the point
+/// `at`. Wider vectors give the same bits.
 #[multiversion(targets("x86_64+avx2"))]
 fn hidden(lens: &Lens, around: &[[f32; PLACES_A_CELL]; 3], at: Vec3f, normal: Vec3f) -> [f32; PLACES_A_CELL] {
     let mut hidden = [0.0; PLACES_A_CELL];

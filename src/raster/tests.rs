@@ -2,7 +2,8 @@
 
 use super::bins::TILE;
 use super::project::Vertex;
-use super::triangle::{NOBODY, SAMPLES, Samples};
+use super::samples::Samples;
+use super::triangle::{NOBODY, SAMPLES};
 use super::*;
 use crate::watch::{Stopped, Watch};
 

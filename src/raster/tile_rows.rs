@@ -13,8 +13,8 @@ use super::tile_scratch::Drawn;
 /// Linear light of the pixels of a row, premultiplied: red, green, blue, and what is covered of each pixel.
 type RowLight = [[f32; TILE]; 4];
 
-/// The share from which a pixel is opaque: less than half a step of a byte from 1. Twice as far away pixels of 254 would
-/// be opaque; half of it is closer to the rounding of sums of sixteen samples.
+/// The share from which a pixel is opaque, a fortieth of the step of a byte away from 1: twice as far away, its colours
+/// are still those of a full pixel; half of it is closer to the rounding of sums of sixteen samples.
 const OPAQUE: f32 = 0.9999;
 
 /// Composes the layers of a picture and encodes them.

@@ -9,8 +9,9 @@ use super::fine::{FINE_PLACES, FINE_SAMPLES, Fine, PixelSet};
 use super::forecast;
 use super::line::StrokeLayer;
 use super::paint::Hiding;
+use super::samples::Samples;
 use super::shade::{Lamps, Spots};
-use super::triangle::{NOBODY, SAMPLE_PLACES, SAMPLES, Samples};
+use super::triangle::{NOBODY, SAMPLE_PLACES, SAMPLES};
 use super::veil::Veil;
 use crate::watch::{Stopped, Watch};
 

@@ -11,8 +11,6 @@
 
 use std::ops::Range;
 
-use multiversion::multiversion;
-
 use super::bins::TILE;
 use super::project::{STEPS_A_PIXEL, Vertex};
 
@@ -27,202 +25,39 @@ pub(super) const SAMPLE_PLACES: [[i32; 2]; SAMPLES] = [[3, 1], [7, 3], [1, 5], [
 /// Owner of a sample that no triangle covers.
 pub(super) const NOBODY: u32 = u32::MAX;
 
-/// Rows of at least so many pixels are cut to what a triangle may cover of them; below, that takes longer than it
-/// spares.
-/// Half of it cuts rows for which that takes longer, twice of it looks at pixels in vain; pictures are the same.
-pub(super) const CUT_PX: usize = 12;
-
-/// Pixels that are looked at in the time that it takes to cut a row.
-/// It only says what cutting counts: half and twice of it halve and double its share of the predicted time.
-pub(super) const ROW_PX: u64 = 8;
-
 const EIGHTH_STEPS: i32 = STEPS_A_PIXEL / 8;
 /// Width and height of a tile in pixels.
 pub(super) const TILE_SIDE: i32 = TILE as i32;
 
-/// Depth and owner of every sample of a tile.
-#[derive(Debug)]
-pub(super) struct Samples {
-    /// `TILE x TILE` pixels, four depths each; 0 is infinitely far.
-    pub(super) depth: Vec<[f32; SAMPLES]>,
-    /// The triangle seen at each sample.
-    pub(super) owner: Vec<[u32; SAMPLES]>,
-    /// No sample is farther than this.
-    farthest: f32,
-    /// Pixels visited since `farthest` was found.
-    visited: usize,
-    /// The work done since [`Samples::done`] was last called.
-    done: Done,
-}
-
-/// The work of drawing triangles.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Done {
-    /// Pixels looked at, and [`ROW_PX`] for each row of them that was cut to what the triangle may cover.
-    pub(super) pixels: u64,
-    /// Triangles looked at.
-    pub(super) triangles: u64,
-}
-
 /// A triangle prepared for a tile; values are those of the first pixel of its bounding box.
-struct TriangleSetup {
+pub(super) struct TriangleSetup {
     /// The edge functions at the corner of the pixel, and what is to be added at each sample; not negative inside.
-    edges: [i32; 3],
-    samples: [[i32; SAMPLES]; 3],
+    pub(super) edges: [i32; 3],
+    pub(super) samples: [[i32; SAMPLES]; 3],
     /// Steps to the next pixel.
-    right: [i32; 3],
-    down: [i32; 3],
+    pub(super) right: [i32; 3],
+    pub(super) down: [i32; 3],
     /// Pixels of the tile, bounds included: left, top, right, bottom.
-    pixels: [i32; 4],
-    depth: [f32; SAMPLES],
-    slope: [f32; 2],
-    range: [f32; 2],
+    pub(super) pixels: [i32; 4],
+    pub(super) depth: [f32; SAMPLES],
+    pub(super) slope: [f32; 2],
+    pub(super) range: [f32; 2],
 }
 
 /// A row of pixels in the bounding box of a triangle, from the first one that is looked at.
-struct PixelRow {
+pub(super) struct PixelRow {
     /// The row and the column in the bounding box.
-    row: usize,
-    column: usize,
+    pub(super) row: usize,
+    pub(super) column: usize,
     /// The edge functions at the corner of the first pixel.
-    edges: [i32; 3],
+    pub(super) edges: [i32; 3],
     /// The depths at the samples of the first pixel of the bounding box in this row.
-    depth: [f32; SAMPLES],
+    pub(super) depth: [f32; SAMPLES],
 }
 
 /// Samples of the two pixels that are looked at together: eight numbers of 32 bits fill a vector register of 256 bits.
 /// Half of it leaves half of that empty; twice of it looks at more pixels beside small triangles in vain.
 const PAIR_SAMPLES: usize = 2 * SAMPLES;
-
-impl Samples {
-    pub(super) fn new() -> Self {
-        let n = TILE * TILE;
-        let (depth, owner) = (vec![[0.0; SAMPLES]; n], vec![[NOBODY; SAMPLES]; n]);
-        Self { depth, owner, farthest: 0.0, visited: 0, done: Done::default() }
-    }
-
-    /// Returns the work done since this was last called.
-    pub(super) fn done(&mut self) -> Done {
-        std::mem::take(&mut self.done)
-    }
-
-    pub(super) fn clear(&mut self) {
-        self.depth.fill([0.0; SAMPLES]);
-        self.owner.fill([NOBODY; SAMPLES]);
-        (self.farthest, self.visited) = (0.0, 0);
-    }
-
-    /// Begins anew with nothing in front of what stands in `others`, which is not seen itself.
-    pub(super) fn begin_before(&mut self, others: &Self) {
-        self.depth.copy_from_slice(&others.depth);
-        self.owner.fill([NOBODY; SAMPLES]);
-        (self.farthest, self.visited) = (0.0, 0);
-    }
-
-    /// Draws one triangle into the tile whose first pixel is `origin`. Of triangles with equal depth at a sample that
-    /// with the lower number is seen, so that the order of drawing does not matter.
-    pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
-        draw_everywhere(self, corners, id, origin);
-    }
-
-    /// Draws one triangle like [`Samples::draw`], at those places of the tile where it is there.
-    pub(super) fn draw_where(
-        &mut self,
-        corners: [Vertex; 3],
-        id: u32,
-        origin: [i32; 2],
-        is_there: impl Fn([f32; 2]) -> bool,
-    ) {
-        self.draw_rows(corners, origin, |setup, row, depths, owners| {
-            setup.cover_where(row, id, depths, owners, &is_there);
-        });
-    }
-
-    /// Calls a function for each row of pixels in which a triangle may be seen, with the depths and owners there.
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
-    #[inline(always)]
-    fn draw_rows(
-        &mut self,
-        corners: [Vertex; 3],
-        origin: [i32; 2],
-        cover: impl Fn(&TriangleSetup, &PixelRow, &mut [[f32; SAMPLES]], &mut [[u32; SAMPLES]]),
-    ) {
-        self.done.triangles += 1;
-        let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
-        // an equal depth may still win by its number
-        if nearest < self.farthest {
-            return;
-        }
-        let last = TILE_SIDE - 1;
-        let [left, top, right, bottom] = pixel_box(&corners);
-        let (left, right) = ((left - origin[0]).max(0), (right - origin[0]).min(last));
-        let (top, bottom) = ((top - origin[1]).max(0), (bottom - origin[1]).min(last));
-        let pixels = [left, top, right, bottom];
-        if left > right || top > bottom || self.is_hidden(pixels, nearest) {
-            return;
-        }
-        let Some(setup) = TriangleSetup::new(corners, pixels, origin) else { return };
-        self.visited += ((right - left + 1) * (bottom - top + 1)) as usize;
-        self.fill(&setup, cover);
-        if self.visited > 4 * TILE * TILE {
-            self.farthest();
-        }
-    }
-
-    /// Returns the smallest depth of a sample.
-    pub(super) fn farthest(&mut self) -> f32 {
-        if self.visited > 0 {
-            let least =
-                |a: [f32; SAMPLES], b: &[f32; SAMPLES]| std::array::from_fn(|s| if b[s] < a[s] { b[s] } else { a[s] });
-            self.visited = 0;
-            self.farthest =
-                self.depth.iter().fold([f32::INFINITY; SAMPLES], least).into_iter().fold(f32::INFINITY, f32::min);
-        }
-        self.farthest
-    }
-
-    /// Returns whether every sample of some pixels (left, top, right, bottom, bounds included) is nearer than
-    /// `nearest`.
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
-    #[inline(always)]
-    fn is_hidden(&self, [left, top, right, bottom]: [i32; 4], nearest: f32) -> bool {
-        (top..=bottom).all(|y| {
-            let row = (y * TILE_SIDE + left) as usize..=(y * TILE_SIDE + right) as usize;
-            self.depth[row].iter().all(|depth| depth.iter().all(|&depth| depth > nearest))
-        })
-    }
-
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
-    #[inline(always)]
-    fn fill(
-        &mut self,
-        setup: &TriangleSetup,
-        cover: impl Fn(&TriangleSetup, &PixelRow, &mut [[f32; SAMPLES]], &mut [[u32; SAMPLES]]),
-    ) {
-        let [left, top, right, bottom] = setup.pixels;
-        let n = (right - left + 1) as usize;
-        let mut start = setup.edges;
-        for (row, y) in (top..=bottom).enumerate() {
-            let span = if n < CUT_PX { 0..n } else { setup.span(&start, n) };
-            self.done.pixels += span.len() as u64 + if n < CUT_PX { 0 } else { ROW_PX };
-            let lift = row as f32 * setup.slope[1];
-            let mut edges = start;
-            step(&mut edges, setup.right.map(|right| right.wrapping_mul(span.start as i32)));
-            let depth = std::array::from_fn(|s| setup.depth[s] + lift);
-            let first = (y * TILE_SIDE + left) as usize;
-            let (depths, owners) = (&mut self.depth[first..first + n], &mut self.owner[first..first + n]);
-            let row = PixelRow { row, column: span.start, edges, depth };
-            cover(setup, &row, &mut depths[span.clone()], &mut owners[span]);
-            step(&mut start, setup.down);
-        }
-    }
-}
-
-/// Draws one triangle, two pixels at a time; wider vectors give the same bits.
-#[multiversion(targets("x86_64+avx2"))]
-fn draw_everywhere(samples: &mut Samples, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
-    samples.draw_rows(corners, origin, |setup, row, depths, owners| setup.cover_all(row, id, depths, owners));
-}
 
 /// Gives triangle number `id` the samples of a pixel that it covers (`outside` is not negative there) and where it is
 /// the nearest. There are no branches, so that all samples are one vector.
@@ -246,7 +81,7 @@ pub(super) fn cover<const N: usize>(
 /// Moves the edge functions on.
 #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
 #[inline(always)]
-fn step(edges: &mut [i32; 3], by: [i32; 3]) {
+pub(super) fn step(edges: &mut [i32; 3], by: [i32; 3]) {
     edges.iter_mut().zip(by).for_each(|(edge, by)| *edge = edge.wrapping_add(by));
 }
 
@@ -317,7 +152,7 @@ impl TriangleSetup {
     /// Prepares a triangle over some pixels of the tile: left, top, right, bottom, bounds included.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    fn new(mut corners: [Vertex; 3], pixels: [i32; 4], origin: [i32; 2]) -> Option<Self> {
+    pub(super) fn new(mut corners: [Vertex; 3], pixels: [i32; 4], origin: [i32; 2]) -> Option<Self> {
         let area = area(&corners);
         if area == 0 {
             return None;
@@ -361,7 +196,13 @@ impl TriangleSetup {
     /// Gives triangle number `id` what it covers and is nearest in a row of pixels.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    fn cover_all(&self, row: &PixelRow, id: u32, depths: &mut [[f32; SAMPLES]], owners: &mut [[u32; SAMPLES]]) {
+    pub(super) fn cover_all(
+        &self,
+        row: &PixelRow,
+        id: u32,
+        depths: &mut [[f32; SAMPLES]],
+        owners: &mut [[u32; SAMPLES]],
+    ) {
         let right = |lane: usize| (lane / SAMPLES) as i32;
         let mut edges: [[i32; PAIR_SAMPLES]; 3] = std::array::from_fn(|k| {
             let edge =
@@ -392,7 +233,7 @@ impl TriangleSetup {
     }
 
     /// Does what [`TriangleSetup::cover_all`] does, at those places of the tile where the triangle is there.
-    fn cover_where(
+    pub(super) fn cover_where(
         &self,
         row: &PixelRow,
         id: u32,
@@ -431,7 +272,7 @@ impl TriangleSetup {
     /// along the row.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    fn span(&self, start: &[i32; 3], n: usize) -> Range<usize> {
+    pub(super) fn span(&self, start: &[i32; 3], n: usize) -> Range<usize> {
         let (mut first, mut end) = (0_i64, n as i64);
         for ((edge, samples), &right) in start.iter().zip(&self.samples).zip(&self.right) {
             let most = samples[0].max(samples[1]).max(samples[2]).max(samples[3]);

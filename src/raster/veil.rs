@@ -1,7 +1,8 @@
 //! The visibility of lines behind the surface of a tile.
 
 use super::binned_model::BinnedModel;
-use super::triangle::{NOBODY, SAMPLES, Samples, slope};
+use super::samples::Samples;
+use super::triangle::{NOBODY, SAMPLES, slope};
 
 /// Lines on a surface are lifted toward the viewer by this share of the radius of the scene.
 /// Half of it lets lines sink into coarse triangles beside them; twice of it lets lines behind an edge show through

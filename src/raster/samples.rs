@@ -1,0 +1,175 @@
+//! Depth and owner of the samples of one tile, and the drawing of triangles into them.
+
+#![expect(clippy::cast_possible_wrap, reason = "a tile is some dozen pixels wide")]
+#![expect(clippy::cast_possible_truncation, reason = "a tile is some dozen pixels wide")]
+#![expect(clippy::cast_sign_loss, reason = "pixels are clamped to the tile")]
+#![expect(clippy::cast_precision_loss, reason = "pixels are clamped to the tile")]
+
+use multiversion::multiversion;
+
+use super::bins::TILE;
+use super::project::Vertex;
+use super::triangle::{NOBODY, PixelRow, SAMPLES, TILE_SIDE, TriangleSetup, pixel_box, step};
+
+/// Rows of at least so many pixels are cut to what a triangle may cover of them; below, that takes longer than it
+/// spares.
+/// Half of it cuts rows for which that takes longer, twice of it looks at pixels in vain; pictures are the same.
+pub(super) const CUT_PX: usize = 12;
+
+/// Pixels that are looked at in the time that it takes to cut a row.
+/// It only says what cutting counts: half and twice of it halve and double its share of the predicted time.
+pub(super) const ROW_PX: u64 = 8;
+
+/// Depth and owner of every sample of a tile.
+#[derive(Debug)]
+pub(super) struct Samples {
+    /// `TILE x TILE` pixels, four depths each; 0 is infinitely far.
+    pub(super) depth: Vec<[f32; SAMPLES]>,
+    /// The triangle seen at each sample.
+    pub(super) owner: Vec<[u32; SAMPLES]>,
+    /// No sample is farther than this.
+    farthest: f32,
+    /// Pixels visited since `farthest` was found.
+    visited: usize,
+    /// The work done since [`Samples::done`] was last called.
+    done: Done,
+}
+
+/// The work of drawing triangles.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Done {
+    /// Pixels looked at, and [`ROW_PX`] for each row of them that was cut to what the triangle may cover.
+    pub(super) pixels: u64,
+    /// Triangles looked at.
+    pub(super) triangles: u64,
+}
+
+impl Samples {
+    pub(super) fn new() -> Self {
+        let n = TILE * TILE;
+        let (depth, owner) = (vec![[0.0; SAMPLES]; n], vec![[NOBODY; SAMPLES]; n]);
+        Self { depth, owner, farthest: 0.0, visited: 0, done: Done::default() }
+    }
+
+    /// Returns the work done since this was last called.
+    pub(super) fn done(&mut self) -> Done {
+        std::mem::take(&mut self.done)
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.depth.fill([0.0; SAMPLES]);
+        self.owner.fill([NOBODY; SAMPLES]);
+        (self.farthest, self.visited) = (0.0, 0);
+    }
+
+    /// Begins anew with nothing in front of what stands in `others`, which is not seen itself.
+    pub(super) fn begin_before(&mut self, others: &Self) {
+        self.depth.copy_from_slice(&others.depth);
+        self.owner.fill([NOBODY; SAMPLES]);
+        (self.farthest, self.visited) = (0.0, 0);
+    }
+
+    /// Draws one triangle into the tile whose first pixel is `origin`. Of triangles with equal depth at a sample that
+    /// with the lower number is seen, so that the order of drawing does not matter.
+    pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
+        draw_everywhere(self, corners, id, origin);
+    }
+
+    /// Draws one triangle like [`Samples::draw`], at those places of the tile where it is there.
+    pub(super) fn draw_where(
+        &mut self,
+        corners: [Vertex; 3],
+        id: u32,
+        origin: [i32; 2],
+        is_there: impl Fn([f32; 2]) -> bool,
+    ) {
+        self.draw_rows(corners, origin, |setup, row, depths, owners| {
+            setup.cover_where(row, id, depths, owners, &is_there);
+        });
+    }
+
+    /// Calls a function for each row of pixels in which a triangle may be seen, with the depths and owners there.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
+    fn draw_rows(
+        &mut self,
+        corners: [Vertex; 3],
+        origin: [i32; 2],
+        cover: impl Fn(&TriangleSetup, &PixelRow, &mut [[f32; SAMPLES]], &mut [[u32; SAMPLES]]),
+    ) {
+        self.done.triangles += 1;
+        let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
+        // an equal depth may still win by its number
+        if nearest < self.farthest {
+            return;
+        }
+        let last = TILE_SIDE - 1;
+        let [left, top, right, bottom] = pixel_box(&corners);
+        let (left, right) = ((left - origin[0]).max(0), (right - origin[0]).min(last));
+        let (top, bottom) = ((top - origin[1]).max(0), (bottom - origin[1]).min(last));
+        let pixels = [left, top, right, bottom];
+        if left > right || top > bottom || self.is_hidden(pixels, nearest) {
+            return;
+        }
+        let Some(setup) = TriangleSetup::new(corners, pixels, origin) else { return };
+        self.visited += ((right - left + 1) * (bottom - top + 1)) as usize;
+        self.fill(&setup, cover);
+        if self.visited > 4 * TILE * TILE {
+            self.farthest();
+        }
+    }
+
+    /// Returns the smallest depth of a sample.
+    pub(super) fn farthest(&mut self) -> f32 {
+        if self.visited > 0 {
+            let least =
+                |a: [f32; SAMPLES], b: &[f32; SAMPLES]| std::array::from_fn(|s| if b[s] < a[s] { b[s] } else { a[s] });
+            self.visited = 0;
+            self.farthest =
+                self.depth.iter().fold([f32::INFINITY; SAMPLES], least).into_iter().fold(f32::INFINITY, f32::min);
+        }
+        self.farthest
+    }
+
+    /// Returns whether every sample of some pixels (left, top, right, bottom, bounds included) is nearer than
+    /// `nearest`.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
+    fn is_hidden(&self, [left, top, right, bottom]: [i32; 4], nearest: f32) -> bool {
+        (top..=bottom).all(|y| {
+            let row = (y * TILE_SIDE + left) as usize..=(y * TILE_SIDE + right) as usize;
+            self.depth[row].iter().all(|depth| depth.iter().all(|&depth| depth > nearest))
+        })
+    }
+
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
+    fn fill(
+        &mut self,
+        setup: &TriangleSetup,
+        cover: impl Fn(&TriangleSetup, &PixelRow, &mut [[f32; SAMPLES]], &mut [[u32; SAMPLES]]),
+    ) {
+        let [left, top, right, bottom] = setup.pixels;
+        let n = (right - left + 1) as usize;
+        let mut start = setup.edges;
+        for (row, y) in (top..=bottom).enumerate() {
+            let span = if n < CUT_PX { 0..n } else { setup.span(&start, n) };
+            self.done.pixels += span.len() as u64 + if n < CUT_PX { 0 } else { ROW_PX };
+            let lift = row as f32 * setup.slope[1];
+            let mut edges = start;
+            step(&mut edges, setup.right.map(|right| right.wrapping_mul(span.start as i32)));
+            let depth = std::array::from_fn(|s| setup.depth[s] + lift);
+            let first = (y * TILE_SIDE + left) as usize;
+            let (depths, owners) = (&mut self.depth[first..first + n], &mut self.owner[first..first + n]);
+            let row = PixelRow { row, column: span.start, edges, depth };
+            cover(setup, &row, &mut depths[span.clone()], &mut owners[span]);
+            step(&mut start, setup.down);
+        }
+    }
+}
+
+/// Draws one triangle, two pixels at a time; wider vectors give the same bits.
+#[multiversion(targets("x86_64+avx2"))]
+fn draw_everywhere(samples: &mut Samples, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
+    samples.draw_rows(corners, origin, |setup, row, depths, owners| setup.cover_all(row, id, depths, owners));
+}
