@@ -1,15 +1,12 @@
 //! Request bodies: bounded in length, in silence and in slowness; their memory is charged as they arrive and as they
 //! are inflated.
 
-use std::future::poll_fn;
-use std::pin::Pin;
 use std::sync::Arc;
-use std::task::Poll;
 use std::time::Duration;
 
 use axum::body::Bytes;
 use axum::http::{HeaderMap, header};
-use http_body::{Body, Frame};
+use http_body::Body;
 use http_body_util::BodyExt;
 use tokio::time::Instant;
 
@@ -227,15 +224,10 @@ impl<'a, B: Body<Data = Bytes> + Unpin> Arriving<'a, B> {
     /// A body that breaks off, is too long, or too slow.
     pub(super) async fn next(&mut self) -> Result<Option<Bytes>, Problem> {
         loop {
-            if self.body.is_end_stream() {
-                return Ok(None);
-            }
-            // a short body arrives with the head of its request, and needs no timer
-            let frame = match at_once(self.body).await {
-                Some(frame) => frame,
-                None => self.awaited().await?,
-            };
-            let Some(frame) = frame else { return Ok(None) };
+            let late = Instant::now() + self.pace.grace;
+            let slow = self.start + self.pace.allows(self.length);
+            let frame = tokio::time::timeout_at(late.min(slow), self.body.frame()).await;
+            let Some(frame) = frame.map_err(|_| too_slow(self.pace, late < slow))? else { return Ok(None) };
             let frame = frame.map_err(|_| broken_off(self.length))?;
             let Ok(data) = frame.into_data() else { continue };
             self.length += data.len() as u64;
@@ -245,32 +237,6 @@ impl<'a, B: Body<Data = Bytes> + Unpin> Arriving<'a, B> {
             return Ok(Some(data));
         }
     }
-
-    /// Waits for the next part of the body, or its end, as long as the pace allows.
-    async fn awaited(&mut self) -> Result<Option<Result<Frame<Bytes>, B::Error>>, Problem> {
-        let late = Instant::now() + self.pace.grace;
-        let slow = self.start + self.pace.allows(self.length);
-        let frame = tokio::time::timeout_at(late.min(slow), self.body.frame()).await;
-        frame.map_err(|_| too_slow(self.pace, late < slow))
-    }
-}
-
-/// Returns the next part of a body, or its end, if it is there after the connection has been asked for it once.
-async fn at_once<B>(body: &mut B) -> Option<Option<Result<Frame<Bytes>, B::Error>>>
-where
-    B: Body<Data = Bytes> + Unpin,
-{
-    let mut is_asked = false;
-    poll_fn(move |cx| match Pin::new(&mut *body).poll_frame(cx) {
-        Poll::Ready(frame) => Poll::Ready(Some(frame)),
-        Poll::Pending if is_asked => Poll::Ready(None),
-        Poll::Pending => {
-            is_asked = true;
-            cx.waker().wake_by_ref();
-            Poll::Pending
-        }
-    })
-    .await
 }
 
 /// Returns the refusal of a body that ended early, after `length` bytes.

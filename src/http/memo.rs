@@ -50,9 +50,7 @@ pub(super) fn identity(tenant: Tenant, headers: &HeaderMap, notation: &Notation,
     if body.len() > MAX_REMEMBERED_BYTES {
         return None;
     }
-    // room for the tenant and for `Accept` as browsers send it
-    let mut bytes = Vec::with_capacity(body.len() + 256);
-    bytes.extend_from_slice(&(body.len() as u64).to_le_bytes());
+    let mut bytes = (body.len() as u64).to_le_bytes().to_vec();
     bytes.extend_from_slice(body);
     if let Notation::File(reader, query) = notation {
         bytes.extend_from_slice(format!("\n{}\n{query}\n", reader.name).as_bytes());
