@@ -84,3 +84,30 @@ pub(super) fn premultiplied([r, g, b, a]: [u8; 4]) -> [f32; 4] {
     let alpha = f32::from(a) / 255.0;
     [linear(r) * alpha, linear(g) * alpha, linear(b) * alpha, alpha]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_rounded_down_also_beside_whole_ones() {
+        for whole in (0_u32..4096).chain([65_535, 65_536, 4_194_303]) {
+            let from = f64::from(whole);
+            #[expect(clippy::cast_possible_truncation, reason = "whole numbers below 2^24")]
+            let x = from as f32;
+            assert_eq!(rounded_down(x), whole);
+            assert_eq!(rounded_down(x.next_up()), whole);
+            assert_eq!(rounded_down((x + 1.0).next_down()), whole, "below {}", x + 1.0);
+        }
+    }
+
+    #[test]
+    fn light_outside_zero_to_one_is_clamped() {
+        for (light, step) in [(f32::NAN, 0), (-1.0, 0), (-0.0, 0), (1.0, 4095), (7.0, 4095), (f32::INFINITY, 4095)] {
+            assert_eq!(light_step(light), step, "{light}");
+        }
+        let bytes: Vec<u8> = (0..4096).map(|step| ENCODING.of_step(step)).collect();
+        assert!(bytes.is_sorted() && bytes[0] == 0 && bytes[4095] == 255);
+        assert!((0..=255).all(|byte| ENCODING.byte(linear(byte)) == byte), "bytes come back from their light");
+    }
+}

@@ -65,6 +65,20 @@ fn the_order_of_drawing_does_not_matter_and_of_equal_depths_the_lower_number_is_
     assert_eq!(forward, drawn(&mut (0..triangles.len()).rev()));
 }
 
+#[test]
+fn pairs_of_pixels_are_covered_as_single_ones() {
+    let ramp = |[a, b, c]: [Vertex; 3]| [a, Vertex { depth: 0.3, ..b }, Vertex { depth: 0.9, ..c }];
+    let fans = [([16.0, 16.0], 7), ([5.3, 6.7], 64), ([30.2, 1.9], 360)];
+    let [mut pairs, mut single] = [Samples::new(), Samples::new()];
+    for (id, triangle) in (0..).zip(fans.into_iter().flat_map(|(centre, n)| fan(centre, n)).map(ramp)) {
+        pairs.draw(triangle, id, [0, 0]);
+        single.draw_where(triangle, id, [0, 0], |_| true);
+    }
+    assert_eq!(pairs.owner, single.owner);
+    let bits = |samples: &Samples| samples.depth.iter().flatten().map(|depth| depth.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(&pairs), bits(&single));
+}
+
 /// A waved sheet of `n x n` squares.
 fn sheet(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let step = 1.0 / f64::from(n);
