@@ -9,7 +9,7 @@ use multiversion::multiversion;
 
 use super::bins::TILE;
 use super::project::{STEPS_A_PIXEL, Vertex};
-use super::triangle::{NOBODY, TILE_SIDE, area, cover, slope, touched};
+use super::triangle::{NOBODY, TILE_SIDE, area, cover, in_tile, slope, touched};
 
 /// Samples per refined pixel, so that an edge has 17 grey values. Half as many show steps of slanted edges at twice the
 /// size; twice as many take twice the time in these pixels.
@@ -134,14 +134,8 @@ impl Fine {
         origin: [i32; 2],
         is_there: impl Fn([f32; 2]) -> bool,
     ) {
-        let last = TILE_SIDE - 1;
-        let [left, top, right, bottom] = touched(&corners);
-        let (left, right) = ((left - origin[0]).max(0), (right - origin[0]).min(last));
-        let (top, bottom) = ((top - origin[1]).max(0), (bottom - origin[1]).min(last));
-        if left > right || top > bottom {
-            return;
-        }
-        let columns = (u32::MAX >> (last - (right - left))) << left;
+        let Some([left, top, right, bottom]) = in_tile(touched(&corners), origin) else { return };
+        let columns = (u32::MAX >> (TILE_SIDE - 1 - (right - left))) << left;
         let mut setup = None;
         for y in top..=bottom {
             let row = self.pixels[y as usize];

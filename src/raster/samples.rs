@@ -9,7 +9,7 @@ use multiversion::multiversion;
 
 use super::bins::TILE;
 use super::project::Vertex;
-use super::triangle::{NOBODY, PixelRow, SAMPLES, TILE_SIDE, TriangleSetup, pixel_box, step};
+use super::triangle::{NOBODY, PixelRow, SAMPLES, TILE_SIDE, TriangleSetup, in_tile, pixel_box, step};
 
 /// Rows of at least so many pixels are cut to what a triangle may cover of them; below, that takes longer than it
 /// spares.
@@ -103,15 +103,12 @@ impl Samples {
         if nearest < self.farthest {
             return;
         }
-        let last = TILE_SIDE - 1;
-        let [left, top, right, bottom] = pixel_box(&corners);
-        let (left, right) = ((left - origin[0]).max(0), (right - origin[0]).min(last));
-        let (top, bottom) = ((top - origin[1]).max(0), (bottom - origin[1]).min(last));
-        let pixels = [left, top, right, bottom];
-        if left > right || top > bottom || self.is_hidden(pixels, nearest) {
+        let Some(pixels) = in_tile(pixel_box(&corners), origin).filter(|pixels| !self.is_hidden(*pixels, nearest))
+        else {
             return;
-        }
+        };
         let Some(setup) = TriangleSetup::new(corners, pixels, origin) else { return };
+        let [left, top, right, bottom] = pixels;
         self.visited += ((right - left + 1) * (bottom - top + 1)) as usize;
         self.fill(&setup, cover);
         if self.visited > 4 * TILE * TILE {

@@ -77,6 +77,7 @@ impl TileWriter {
     }
 }
 
+/// Returns the light of a row of packed pixels.
 #[multiversion(targets("x86_64+avx2"))]
 fn unpacked(row: &[[u16; 4]; TILE]) -> RowLight {
     let mut light = [[0.0; TILE]; 4];
@@ -88,6 +89,7 @@ fn unpacked(row: &[[u16; 4]; TILE]) -> RowLight {
     light
 }
 
+/// Multiplies colours by what occlusion leaves of their light.
 fn darken(light: &mut RowLight, open: &[f32; TILE]) {
     for channel in &mut light[..3] {
         channel.iter_mut().zip(open).for_each(|(light, open)| *light *= open);

@@ -101,6 +101,17 @@ pub(super) fn pixel_box(&[a, b, c]: &[Vertex; 3]) -> [i32; 4] {
     [low(a.x.min(b.x).min(c.x)), low(a.y.min(b.y).min(c.y)), high(a.x.max(b.x).max(c.x)), high(a.y.max(b.y).max(c.y))]
 }
 
+/// Returns those pixels of a box (left, top, right, bottom, bounds included) that lie in the tile at `origin`, counted
+/// from there; `None` if there are none.
+#[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
+#[inline(always)]
+pub(super) fn in_tile([left, top, right, bottom]: [i32; 4], origin: [i32; 2]) -> Option<[i32; 4]> {
+    let last = TILE_SIDE - 1;
+    let (left, right) = ((left - origin[0]).max(0), (right - origin[0]).min(last));
+    let (top, bottom) = ((top - origin[1]).max(0), (bottom - origin[1]).min(last));
+    (left <= right && top <= bottom).then_some([left, top, right, bottom])
+}
+
 /// Pixels that a bounding box touches: left, top, right, bottom, bounds included.
 pub(super) fn touched(&[a, b, c]: &[Vertex; 3]) -> [i32; 4] {
     let pixel = |u: i32| u.div_euclid(STEPS_A_PIXEL);
