@@ -46,6 +46,11 @@ impl PixelSet {
         self.0[pixel as usize / TILE] |= 1 << (pixel as usize % TILE);
     }
 
+    /// Adds pixels of a row, one bit each.
+    pub(super) fn add_row(&mut self, row: usize, pixels: u32) {
+        self.0[row] |= pixels;
+    }
+
     pub(super) fn clear(&mut self) {
         self.0 = [0; TILE];
     }

@@ -6,7 +6,8 @@
 use super::bins::{FEW_TILES, TILE};
 use super::camera::Camera;
 use super::project::{BEHIND, FAR_OUT, STEPS_A_PIXEL, vertex};
-use super::samples::{CUT_PX, Done, ROW_PX};
+use super::samples::Done;
+use super::triangle::{CUT_PX, ROW_PX};
 
 /// Pixels that are looked at in 100 ns, the time of a row of a table: 0.8 ns each, measured with a stack of 40,000
 /// quads in a picture of 2048 x 2048, and rounded up.

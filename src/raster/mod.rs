@@ -23,6 +23,7 @@ mod forecast;
 mod ground;
 #[cfg(test)]
 mod grounding_tests;
+mod lighter;
 mod line;
 mod model;
 mod occlusion;

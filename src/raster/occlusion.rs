@@ -16,6 +16,7 @@ use rayon::prelude::*;
 
 use super::bins::{TILE, TileGrid};
 use super::camera::{Camera, Projection};
+use super::pixmap::rounded_down;
 use super::shade::{Vec3f, dot, positive};
 use super::tile_scratch::Drawn;
 use crate::math::functions::{cos, sin};
@@ -49,15 +50,17 @@ const OCCLUSION_STRENGTH: f32 = 2.2;
 /// hollows are nearly black and lose their colour; with twice of it deep hollows look like flat ones.
 const LEAST_OPEN: f32 = 0.3;
 
-/// Places around a cell for each turn, within a circle of radius one.
-static CIRCLE_PLACES: LazyLock<[[[f32; 2]; PLACES_A_CELL]; CIRCLE_KINDS]> = LazyLock::new(|| {
+/// Places around a cell, right and down, within a circle of radius one.
+type Circle = [[f32; PLACES_A_CELL]; 2];
+
+/// The places for each turn.
+static CIRCLES: LazyLock<[Circle; CIRCLE_KINDS]> = LazyLock::new(|| {
     std::array::from_fn(|turn| {
-        std::array::from_fn(|tap| {
-            // the golden angle leads round, equal areas lead out
-            let angle = TAU * (turn as f64 / CIRCLE_KINDS as f64 + 0.381_966 * tap as f64);
-            let radius = ((tap as f64 + 0.5) / PLACES_A_CELL as f64).sqrt();
-            [(radius * cos(angle)) as f32, (radius * sin(angle)) as f32]
-        })
+        // the golden angle leads round, equal areas lead out
+        let angle = |tap: usize| TAU * (turn as f64 / CIRCLE_KINDS as f64 + 0.381_966 * tap as f64);
+        let radius = |tap: usize| ((tap as f64 + 0.5) / PLACES_A_CELL as f64).sqrt();
+        let right = std::array::from_fn(|tap| (radius(tap) * cos(angle(tap))) as f32);
+        [right, std::array::from_fn(|tap| (radius(tap) * sin(angle(tap))) as f32)]
     })
 });
 
@@ -70,7 +73,7 @@ pub(super) struct Occlusion {
     /// Its inverse; both are powers of two.
     cells_a_px: f32,
     size: [usize; 2],
-    /// Distance along the view in radii of the model; infinite where there is nothing.
+    /// Distance along the view in radii of the model; infinite where there is nothing, and behind the last cell.
     distance: Vec<f32>,
     /// The remaining fraction of the light.
     open: Vec<f32>,
@@ -141,25 +144,36 @@ impl Occlusion {
             cell_px *= 2;
         }
         let lens = Lens::of(camera);
-        let size @ [columns, _] = [width.div_ceil(cell_px), height.div_ceil(cell_px)];
-        let distance = |i: usize| {
-            let [x, y] = [i % columns, i / columns].map(|cell| cell * cell_px + cell_px / 2);
-            let tile = tiles.get(y / TILE * usize::from(grid.columns) + x / TILE).and_then(Option::as_ref);
-            let depth = tile.and_then(|tile| tile.depth.get(y % TILE * TILE + x % TILE));
-            lens.distance(depth.copied().unwrap_or(0.0))
-        };
-        let distance = (0..size[0] * size[1]).into_par_iter().with_min_len(4096).map(distance).collect();
-        let mut occlusion = Self { lens, cell_px, cells_a_px: 1.0 / cell_px as f32, size, distance, open: Vec::new() };
-        occlusion.open = occlusion.by_row(watch, |x, y| occlusion.found(x, y))?;
-        occlusion.open = occlusion.by_row(watch, |x, y| occlusion.smoothed(x, y))?;
+        let size = [width.div_ceil(cell_px), height.div_ceil(cell_px)];
+        let cells_a_px = 1.0 / cell_px as f32;
+        let mut occlusion = Self { lens, cell_px, cells_a_px, size, distance: Vec::new(), open: Vec::new() };
+        occlusion.distance = occlusion.by_row(watch, |row, distance| {
+            let y = row * cell_px + cell_px / 2;
+            let tiles = &tiles[y / TILE * usize::from(grid.columns)..];
+            for (column, distance) in distance.iter_mut().enumerate() {
+                let x = column * cell_px + cell_px / 2;
+                let tile = tiles.get(x / TILE).and_then(Option::as_ref);
+                let depth = tile.and_then(|tile| tile.depth.get(y % TILE * TILE + x % TILE));
+                *distance = lens.distance(depth.copied().unwrap_or(0.0));
+            }
+        })?;
+        occlusion.distance.push(f32::INFINITY);
+        let circles = &*CIRCLES;
+        occlusion.open = occlusion.by_row(watch, |y, open| {
+            open.iter_mut().enumerate().for_each(|(x, open)| *open = occlusion.found(circles, x, y));
+        })?;
+        occlusion.open = occlusion.by_row(watch, |y, open| occlusion.smooth(y, open))?;
         Ok(occlusion)
     }
 
-    fn by_row(&self, watch: &Watch, at: impl Fn(usize, usize) -> f32 + Sync) -> Result<Vec<f32>, Stopped> {
-        let mut all = vec![1.0; self.distance.len()];
-        all.par_chunks_mut(self.size[0]).enumerate().try_for_each(|(y, row)| {
+    /// Computes a number for each cell, given a function that fills a row.
+    fn by_row(&self, watch: &Watch, fill: impl Fn(usize, &mut [f32]) + Sync) -> Result<Vec<f32>, Stopped> {
+        let [columns, rows] = self.size;
+        let mut all = Vec::with_capacity(columns * rows + 1);
+        all.resize(columns * rows, 1.0);
+        all.par_chunks_mut(columns).enumerate().try_for_each(|(y, row)| {
             watch.check()?;
-            row.iter_mut().enumerate().for_each(|(x, cell)| *cell = at(x, y));
+            fill(y, row);
             Ok(())
         })?;
         Ok(all)
@@ -179,7 +193,8 @@ impl Occlusion {
         self.lens.point(self.middle(x, y), self.distance(x, y))
     }
 
-    fn found(&self, x: usize, y: usize) -> f32 {
+    /// Returns the remaining fraction of the light of a cell, with the grain of eight places.
+    fn found(&self, circles: &[Circle; CIRCLE_KINDS], x: usize, y: usize) -> f32 {
         let here @ [x, y] = [x, y].map(usize::cast_signed);
         if self.distance(x, y).is_infinite() {
             return 1.0;
@@ -189,15 +204,8 @@ impl Occlusion {
         let reach =
             (OCCLUDER_REACH * self.lens.pixels(at[2]) / self.cell_px as f32).clamp(REACH_CELLS[0], REACH_CELLS[1]);
         let turn = ((x & 3) * 4 + (y & 3)) as usize;
-        let mut around = [[0.0; PLACES_A_CELL]; 3];
-        for (tap, [right, down]) in CIRCLE_PLACES[turn].into_iter().enumerate() {
-            // to the nearest, moved up so that the cast rounds down
-            let [i, j] = [right, down].map(|share| (reach * share + 128.5) as isize - 128);
-            let distance = if (i, j) == (0, 0) { f32::INFINITY } else { self.distance(x + i, y + j) };
-            [around[0][tap], around[1][tap]] = self.middle(x + i, y + j);
-            around[2][tap] = distance;
-        }
-        let hidden = hidden(&self.lens, &around, at, normal).into_iter().fold(0.0, |sum, share| sum + share);
+        let hidden = hidden(self, here.map(|cell| cell as i32), &circles[turn], (at, normal, reach));
+        let hidden = hidden.into_iter().fold(0.0, |sum, share| sum + share);
         (1.0 - OCCLUSION_STRENGTH * hidden / PLACES_A_CELL as f32).max(LEAST_OPEN)
     }
 
@@ -220,21 +228,24 @@ impl Occlusion {
         (length > 0.0).then(|| normal.map(|c| c / length))
     }
 
-    /// Returns the mean over the 16 cells around a cell, restricted to similar distances.
-    fn smoothed(&self, x: usize, y: usize) -> f32 {
-        let [x, y] = [x, y].map(usize::cast_signed);
-        let distance = self.distance(x, y);
-        if distance.is_infinite() {
-            return 1.0;
-        }
-        let (mut sum, mut weight) = (0.0, 0.0);
-        for (i, j) in (-2..2).flat_map(|j| (-2..2).map(move |i| (i, j))) {
-            if (self.distance(x + i, y + j) - distance).abs() < 0.25 * OCCLUDER_REACH {
-                sum += self.open[((y + j) * self.size[0].cast_signed() + x + i) as usize];
-                weight += 1.0;
+    /// Fills a row with the mean over the 16 cells around each cell, of those at similar distances.
+    fn smooth(&self, y: usize, mean: &mut [f32]) {
+        let [columns, rows] = self.size;
+        let row = |y: usize| y * columns..(y + 1) * columns;
+        let here = &self.distance[row(y)];
+        let mut weights = vec![0.0; columns];
+        mean.fill(0.0);
+        for y in (y.saturating_sub(2)..y + 2).filter(|y| *y < rows) {
+            let (distance, open) = (&self.distance[row(y)], &self.open[row(y)]);
+            let shifts = [(2, 0), (1, 0), (0, 0), (0, 1)].into_iter().filter(|(left, right)| left + right < columns);
+            for (to, from) in shifts.map(|(left, right)| (left..columns - right, right..columns - left)) {
+                let sums = [&mut mean[to.clone()], &mut weights[to.clone()]];
+                add_similar(sums, &here[to], [&distance[from.clone()], &open[from]]);
             }
         }
-        sum / weight
+        for ((mean, weight), here) in mean.iter_mut().zip(weights).zip(here) {
+            *mean = if here.is_infinite() { 1.0 } else { *mean / weight };
+        }
     }
 
     /// Returns the column of the cell whose middle is left of a column of pixels, and how far to the right of it they
@@ -274,14 +285,38 @@ impl Occlusion {
     }
 }
 
-/// Returns how much each of some places, given by pixel coordinates and distances, hides of the sky above the point
-/// `at`. Wider vectors give the same bits.
+/// Returns how much each place of a circle about the cell `[x, y]` hides of the sky above the point `at` with this
+/// normal, where the circle reaches so many cells far. Wider vectors give the same bits.
 #[multiversion(targets("x86_64+avx2"))]
-fn hidden(lens: &Lens, around: &[[f32; PLACES_A_CELL]; 3], at: Vec3f, normal: Vec3f) -> [f32; PLACES_A_CELL] {
+fn hidden(
+    cells: &Occlusion,
+    [x, y]: [i32; 2],
+    circle: &Circle,
+    (at, normal, reach): (Vec3f, Vec3f, f32),
+) -> [f32; PLACES_A_CELL] {
+    let [columns, rows] = cells.size.map(|side| side as u32);
+    let outside = columns * rows;
+    let (mut places, mut middles) = ([0; PLACES_A_CELL], [[0.0; PLACES_A_CELL]; 2]);
+    for tap in 0..PLACES_A_CELL {
+        // to the nearest, moved up so that it is not negative
+        let right = rounded_down(reach * circle[0][tap] + 128.5).cast_signed() - 128;
+        let down = rounded_down(reach * circle[1][tap] + 128.5).cast_signed() - 128;
+        let (column, row) = (x + right, y + down);
+        // what is negative becomes large
+        let (across, along) = (column.cast_unsigned(), row.cast_unsigned());
+        let is_other = (right | down) != 0;
+        let is_place = is_other && across < columns && along < rows;
+        places[tap] = if is_place { along * columns + across } else { outside };
+        middles[0][tap] = (column as f32 + 0.5) * cells.cell_px as f32;
+        middles[1][tap] = (row as f32 + 0.5) * cells.cell_px as f32;
+    }
+    let mut distances = [f32::INFINITY; PLACES_A_CELL];
+    for (distance, place) in distances.iter_mut().zip(places) {
+        *distance = cells.distance[place as usize];
+    }
     let mut hidden = [0.0; PLACES_A_CELL];
     for tap in 0..PLACES_A_CELL {
-        let distance = around[2][tap];
-        let other = lens.point([around[0][tap], around[1][tap]], distance);
+        let other = cells.lens.point([middles[0][tap], middles[1][tap]], distances[tap]);
         let to = [other[0] - at[0], other[1] - at[1], other[2] - at[2]];
         let square = dot(to, to);
         let sine = dot(to, normal) / square.sqrt() - LEAST_OCCLUDER_SINE;
@@ -290,6 +325,17 @@ fn hidden(lens: &Lens, around: &[[f32; PLACES_A_CELL]; 3], at: Vec3f, normal: Ve
         hidden[tap] = positive(sine) * positive(near);
     }
     hidden
+}
+
+/// Adds to sums and weights what is open of the cells whose distance is like that `here`. Wider vectors give the same
+/// bits.
+#[multiversion(targets("x86_64+avx2"))]
+fn add_similar([sums, weights]: [&mut [f32]; 2], here: &[f32], [distance, open]: [&[f32]; 2]) {
+    for ((((sum, weight), here), distance), open) in sums.iter_mut().zip(weights).zip(here).zip(distance).zip(open) {
+        let is_similar = (distance - here).abs() < 0.25 * OCCLUDER_REACH;
+        *sum += if is_similar { *open } else { 0.0 };
+        *weight += if is_similar { 1.0 } else { 0.0 };
+    }
 }
 
 /// The four cells around each pixel of a row.
@@ -320,4 +366,33 @@ fn blended(lens: &Lens, around: &CellsAround, depths: &[f32; TILE]) -> [f32; TIL
         open[i] = sum / weights;
     }
     open
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::View;
+
+    #[test]
+    fn a_cell_is_smoothed_over_the_cells_of_like_distance_around_it() {
+        let camera = Camera::framing(&View::default(), &[&[[0.0; 3], [1.0; 3]]], 8, 8);
+        for size @ [columns, rows] in [[1, 1], [1, 5], [2, 2], [2, 7], [3, 1], [9, 6]] {
+            let random = |i: usize| (i as u32).wrapping_mul(2_654_435_761) as f32 / (1_u64 << 32) as f32;
+            let distances = (1..=columns * rows).map(random).map(|x| if x < 0.2 { f32::INFINITY } else { x });
+            let distance: Vec<f32> = distances.chain([f32::INFINITY]).collect();
+            let (lens, open) = (Lens::of(&camera), (100..100 + columns * rows).map(random).collect());
+            let occlusion = Occlusion { lens, cell_px: 1, cells_a_px: 1.0, size, distance, open };
+            let found = occlusion.by_row(&Watch::new(), |y, open| occlusion.smooth(y, open)).expect("nobody stops it");
+            for (i, found) in found.into_iter().enumerate() {
+                let [x, y] = [i % columns, i / columns].map(usize::cast_signed);
+                let here = occlusion.distance(x, y);
+                let around = (-2..2).flat_map(|down| (-2..2).map(move |right| (x + right, y + down)));
+                let like = around.filter(|&(x, y)| (occlusion.distance(x, y) - here).abs() < 0.25 * OCCLUDER_REACH);
+                let like = like.map(|(x, y)| occlusion.open[y.cast_unsigned() * columns + x.cast_unsigned()]);
+                let (sum, n) = like.fold((0.0, 0.0), |(sum, n), open| (sum + open, n + 1.0));
+                let expected = if here.is_infinite() { 1.0 } else { sum / n };
+                assert_eq!(found.to_bits(), expected.to_bits(), "cell {x}, {y} of {size:?}");
+            }
+        }
+    }
 }

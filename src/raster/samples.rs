@@ -1,24 +1,12 @@
 //! Depth and owner of the samples of one tile, and the drawing of triangles into them.
 
-#![expect(clippy::cast_possible_wrap, reason = "a tile is some dozen pixels wide")]
-#![expect(clippy::cast_possible_truncation, reason = "a tile is some dozen pixels wide")]
 #![expect(clippy::cast_sign_loss, reason = "pixels are clamped to the tile")]
-#![expect(clippy::cast_precision_loss, reason = "pixels are clamped to the tile")]
 
 use multiversion::multiversion;
 
 use super::bins::TILE;
 use super::project::Vertex;
-use super::triangle::{NOBODY, PixelRow, SAMPLES, TILE_SIDE, TriangleSetup, in_tile, pixel_box, step};
-
-/// Rows of at least so many pixels are cut to what a triangle may cover of them; below, that takes longer than it
-/// spares.
-/// Half of it cuts rows for which that takes longer, twice of it looks at pixels in vain; pictures are the same.
-pub(super) const CUT_PX: usize = 12;
-
-/// Pixels that are looked at in the time that it takes to cut a row.
-/// It only says what cutting counts: half and twice of it halve and double its share of the predicted time.
-pub(super) const ROW_PX: u64 = 8;
+use super::triangle::{NOBODY, SAMPLES, TILE_SIDE, TriangleSetup, in_tile, pixel_box};
 
 /// Depth and owner of every sample of a tile.
 #[derive(Debug)]
@@ -83,37 +71,29 @@ impl Samples {
         origin: [i32; 2],
         is_there: impl Fn([f32; 2]) -> bool,
     ) {
-        self.draw_rows(corners, origin, |setup, row, depths, owners| {
-            setup.cover_where(row, id, depths, owners, &is_there);
-        });
+        if let Some(setup) = self.prepared(corners, origin) {
+            self.done.pixels += setup.fill_where(id, &mut self.depth, &mut self.owner, &is_there);
+        }
     }
 
-    /// Calls a function for each row of pixels in which a triangle may be seen, with the depths and owners there.
+    /// Prepares a triangle for drawing, if it may be seen in the tile.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    fn draw_rows(
-        &mut self,
-        corners: [Vertex; 3],
-        origin: [i32; 2],
-        cover: impl Fn(&TriangleSetup, &PixelRow, &mut [[f32; SAMPLES]], &mut [[u32; SAMPLES]]),
-    ) {
+    fn prepared(&mut self, corners: [Vertex; 3], origin: [i32; 2]) -> Option<TriangleSetup> {
         self.done.triangles += 1;
-        let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
-        // an equal depth may still win by its number
-        if nearest < self.farthest {
-            return;
-        }
-        let Some(pixels) = in_tile(pixel_box(&corners), origin).filter(|pixels| !self.is_hidden(*pixels, nearest))
-        else {
-            return;
-        };
-        let Some(setup) = TriangleSetup::new(corners, pixels, origin) else { return };
-        let [left, top, right, bottom] = pixels;
-        self.visited += ((right - left + 1) * (bottom - top + 1)) as usize;
-        self.fill(&setup, cover);
         if self.visited > 4 * TILE * TILE {
             self.farthest();
         }
+        let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
+        // an equal depth may still win by its number
+        if nearest < self.farthest {
+            return None;
+        }
+        let pixels = in_tile(pixel_box(&corners), origin).filter(|pixels| !self.is_hidden(*pixels, nearest))?;
+        let setup = TriangleSetup::new(corners, pixels, origin)?;
+        let [left, top, right, bottom] = pixels;
+        self.visited += ((right - left + 1) * (bottom - top + 1)) as usize;
+        Some(setup)
     }
 
     /// Returns the smallest depth of a sample.
@@ -138,35 +118,12 @@ impl Samples {
             self.depth[row].iter().all(|depth| depth.iter().all(|&depth| depth > nearest))
         })
     }
-
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
-    #[inline(always)]
-    fn fill(
-        &mut self,
-        setup: &TriangleSetup,
-        cover: impl Fn(&TriangleSetup, &PixelRow, &mut [[f32; SAMPLES]], &mut [[u32; SAMPLES]]),
-    ) {
-        let [left, top, right, bottom] = setup.pixels;
-        let n = (right - left + 1) as usize;
-        let mut start = setup.edges;
-        for (row, y) in (top..=bottom).enumerate() {
-            let span = if n < CUT_PX { 0..n } else { setup.span(&start, n) };
-            self.done.pixels += span.len() as u64 + if n < CUT_PX { 0 } else { ROW_PX };
-            let lift = row as f32 * setup.slope[1];
-            let mut edges = start;
-            step(&mut edges, setup.right.map(|right| right.wrapping_mul(span.start as i32)));
-            let depth = std::array::from_fn(|s| setup.depth[s] + lift);
-            let first = (y * TILE_SIDE + left) as usize;
-            let (depths, owners) = (&mut self.depth[first..first + n], &mut self.owner[first..first + n]);
-            let row = PixelRow { row, column: span.start, edges, depth };
-            cover(setup, &row, &mut depths[span.clone()], &mut owners[span]);
-            step(&mut start, setup.down);
-        }
-    }
 }
 
 /// Draws one triangle, two pixels at a time; wider vectors give the same bits.
 #[multiversion(targets("x86_64+avx2"))]
 fn draw_everywhere(samples: &mut Samples, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
-    samples.draw_rows(corners, origin, |setup, row, depths, owners| setup.cover_all(row, id, depths, owners));
+    if let Some(setup) = samples.prepared(corners, origin) {
+        samples.done.pixels += setup.fill(id, &mut samples.depth, &mut samples.owner);
+    }
 }

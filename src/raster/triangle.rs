@@ -29,14 +29,22 @@ const EIGHTH_STEPS: i32 = STEPS_A_PIXEL / 8;
 /// Width and height of a tile in pixels.
 pub(super) const TILE_SIDE: i32 = TILE as i32;
 
+/// Rows of at least so many pixels are cut to what a triangle may cover of them; below, that takes longer than it
+/// spares.
+/// Half of it cuts rows for which that takes longer, twice of it looks at pixels in vain; pictures are the same.
+pub(super) const CUT_PX: usize = 12;
+
+/// Pixels that are looked at in the time that it takes to cut a row.
+/// It only says what cutting counts: half and twice of it halve and double its share of the predicted time.
+pub(super) const ROW_PX: u64 = 8;
+
 /// A triangle prepared for a tile; values are those of the first pixel of its bounding box.
 pub(super) struct TriangleSetup {
-    /// The edge functions at the corner of the pixel, and what is to be added at each sample; not negative inside.
+    /// The edge functions at the corner of the pixel; not negative inside.
     pub(super) edges: [i32; 3],
-    pub(super) samples: [[i32; SAMPLES]; 3],
-    /// Steps to the next pixel.
-    pub(super) right: [i32; 3],
-    pub(super) down: [i32; 3],
+    /// Their steps for an eighth of a pixel.
+    right: [i32; 3],
+    down: [i32; 3],
     /// Pixels of the tile, bounds included: left, top, right, bottom.
     pub(super) pixels: [i32; 4],
     pub(super) depth: [f32; SAMPLES],
@@ -44,20 +52,21 @@ pub(super) struct TriangleSetup {
     pub(super) range: [f32; 2],
 }
 
-/// A row of pixels in the bounding box of a triangle, from the first one that is looked at.
-pub(super) struct PixelRow {
-    /// The row and the column in the bounding box.
-    pub(super) row: usize,
-    pub(super) column: usize,
-    /// The edge functions at the corner of the first pixel.
-    pub(super) edges: [i32; 3],
-    /// The depths at the samples of the first pixel of the bounding box in this row.
-    pub(super) depth: [f32; SAMPLES],
-}
-
 /// Samples of the two pixels that are looked at together: eight numbers of 32 bits fill a vector register of 256 bits.
 /// Half of it leaves half of that empty; twice of it looks at more pixels beside small triangles in vain.
 const PAIR_SAMPLES: usize = 2 * SAMPLES;
+
+/// Places of the samples of two pixels in eighths of a pixel, right and down.
+const PAIR_PLACES: [[i32; PAIR_SAMPLES]; 2] = {
+    let mut places = [[0; PAIR_SAMPLES]; 2];
+    let mut lane = 0;
+    while lane < PAIR_SAMPLES {
+        let [x, y] = SAMPLE_PLACES[lane % SAMPLES];
+        (places[0][lane], places[1][lane]) = (x + if lane < SAMPLES { 0 } else { 8 }, y);
+        lane += 1;
+    }
+    places
+};
 
 /// Gives triangle number `id` the samples of a pixel that it covers (`outside` is not negative there) and where it is
 /// the nearest. There are no branches, so that all samples are one vector.
@@ -76,13 +85,6 @@ pub(super) fn cover<const N: usize>(
     });
     *depth = std::array::from_fn(|s| f32::from_bits(z[s].to_bits() & seen[s] | depth[s].to_bits() & !seen[s]));
     *owner = std::array::from_fn(|s| id & seen[s] | owner[s] & !seen[s]);
-}
-
-/// Moves the edge functions on.
-#[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
-#[inline(always)]
-pub(super) fn step(edges: &mut [i32; 3], by: [i32; 3]) {
-    edges.iter_mut().zip(by).for_each(|(edge, by)| *edge = edge.wrapping_add(by));
 }
 
 /// Returns twice the signed area of a triangle in square steps.
@@ -174,7 +176,6 @@ impl TriangleSetup {
         let [left, top, ..] = pixels;
         let mut setup = Self {
             edges: [0; 3],
-            samples: [[0; SAMPLES]; 3],
             right: [0; 3],
             down: [0; 3],
             pixels,
@@ -192,11 +193,8 @@ impl TriangleSetup {
                 TileEdge::Outside => return None,
                 TileEdge::Inside => {}
                 TileEdge::Crossing(value, right, down) => {
-                    (setup.right[k], setup.down[k]) = (8 * right, 8 * down);
+                    (setup.right[k], setup.down[k]) = (right, down);
                     setup.edges[k] = value.wrapping_add(8 * right * left).wrapping_add(8 * down * top);
-                    for (sample, [x, y]) in setup.samples[k].iter_mut().zip(SAMPLE_PLACES) {
-                        *sample = right * x + down * y;
-                    }
                 }
             }
         }
@@ -204,70 +202,100 @@ impl TriangleSetup {
         Some(setup)
     }
 
-    /// Gives triangle number `id` what it covers and is nearest in a row of pixels.
+    /// Gives triangle number `id` the samples of the tile that it covers and where it is the nearest. Returns the
+    /// pixels looked at, and [`ROW_PX`] for each row that was cut.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    pub(super) fn cover_all(
-        &self,
-        row: &PixelRow,
-        id: u32,
-        depths: &mut [[f32; SAMPLES]],
-        owners: &mut [[u32; SAMPLES]],
-    ) {
-        let right = |lane: usize| (lane / SAMPLES) as i32;
-        let mut edges: [[i32; PAIR_SAMPLES]; 3] = std::array::from_fn(|k| {
-            let edge =
-                |lane: usize| self.samples[k][lane % SAMPLES].wrapping_add(right(lane).wrapping_mul(self.right[k]));
-            std::array::from_fn(|lane| row.edges[k].wrapping_add(edge(lane)))
-        });
-        let base: [f32; PAIR_SAMPLES] = std::array::from_fn(|lane| row.depth[lane % SAMPLES]);
-        let mut column: [f32; PAIR_SAMPLES] = std::array::from_fn(|lane| row.column as f32 + right(lane) as f32);
-        let (pairs, last) = depths.as_chunks_mut::<2>();
-        let (owner_pairs, last_owner) = owners.as_chunks_mut::<2>();
-        for (depth, owner) in pairs.iter_mut().zip(owner_pairs) {
-            let outside = std::array::from_fn(|lane| edges[0][lane] | edges[1][lane] | edges[2][lane]);
-            let z = std::array::from_fn(|lane| self.within(base[lane] + column[lane] * self.slope[0]));
-            let (depth, owner) = (depth.as_flattened_mut(), owner.as_flattened_mut());
-            if let (Some(depth), Some(owner)) = (depth.as_mut_array(), owner.as_mut_array()) {
-                cover::<PAIR_SAMPLES>(outside, z, id, depth, owner);
+    pub(super) fn fill(&self, id: u32, depth: &mut [[f32; SAMPLES]], owner: &mut [[u32; SAMPLES]]) -> u64 {
+        let [left, top, right, bottom] = self.pixels;
+        let n = (right - left + 1) as usize;
+        let mut start = [[0_i32; PAIR_SAMPLES]; 3];
+        for (k, start) in start.iter_mut().enumerate() {
+            let (edge, right, down) = (self.edges[k], self.right[k], self.down[k]);
+            for (lane, start) in start.iter_mut().enumerate() {
+                let across = right.wrapping_mul(PAIR_PLACES[0][lane]);
+                *start = edge.wrapping_add(across).wrapping_add(down.wrapping_mul(PAIR_PLACES[1][lane]));
             }
-            for (edges, right) in edges.iter_mut().zip(self.right) {
-                edges.iter_mut().for_each(|edge| *edge = edge.wrapping_add(2_i32.wrapping_mul(right)));
+        }
+        let (mut base, mut first_columns) = ([0.0; PAIR_SAMPLES], [0.0; PAIR_SAMPLES]);
+        for lane in 0..PAIR_SAMPLES {
+            base[lane] = self.depth[lane % SAMPLES];
+            first_columns[lane] = (lane / SAMPLES) as f32;
+        }
+        let mut pixels = 0;
+        for (row, y) in (0_i32..).zip(top..=bottom) {
+            let span = if n < CUT_PX { 0..n } else { self.span(row, n) };
+            pixels += span.len() as u64 + if n < CUT_PX { 0 } else { ROW_PX };
+            let lift = row as f32 * self.slope[1];
+            let (mut edges, mut column) = (start, first_columns);
+            if span.start > 0 {
+                for (edges, right) in edges.iter_mut().zip(self.right) {
+                    let shift = (8 * right).wrapping_mul(span.start as i32);
+                    edges.iter_mut().for_each(|edge| *edge = edge.wrapping_add(shift));
+                }
+                column.iter_mut().for_each(|column| *column += span.start as f32);
             }
-            column.iter_mut().for_each(|column| *column += 2.0);
+            let first = (y * TILE_SIDE + left) as usize + span.start;
+            let (pairs, last) = depth[first..first + span.len()].as_chunks_mut::<2>();
+            let (owner_pairs, last_owner) = owner[first..first + span.len()].as_chunks_mut::<2>();
+            for (depth, owner) in pairs.iter_mut().zip(owner_pairs) {
+                let outside = std::array::from_fn(|lane| edges[0][lane] | edges[1][lane] | edges[2][lane]);
+                let z = std::array::from_fn(|lane| self.within(base[lane] + lift + column[lane] * self.slope[0]));
+                let (depth, owner) = (depth.as_flattened_mut(), owner.as_flattened_mut());
+                if let (Some(depth), Some(owner)) = (depth.as_mut_array(), owner.as_mut_array()) {
+                    cover::<PAIR_SAMPLES>(outside, z, id, depth, owner);
+                }
+                for (edges, right) in edges.iter_mut().zip(self.right) {
+                    edges.iter_mut().for_each(|edge| *edge = edge.wrapping_add(16 * right));
+                }
+                column.iter_mut().for_each(|column| *column += 2.0);
+            }
+            for (depth, owner) in last.iter_mut().zip(last_owner) {
+                let outside = std::array::from_fn(|s| edges[0][s] | edges[1][s] | edges[2][s]);
+                let z = std::array::from_fn(|s| self.within(base[s] + lift + column[s] * self.slope[0]));
+                cover(outside, z, id, depth, owner);
+            }
+            for (start, down) in start.iter_mut().zip(self.down) {
+                start.iter_mut().for_each(|edge| *edge = edge.wrapping_add(8 * down));
+            }
         }
-        for (depth, owner) in last.iter_mut().zip(last_owner) {
-            let outside = std::array::from_fn(|s| edges[0][s] | edges[1][s] | edges[2][s]);
-            let z = std::array::from_fn(|s| self.within(base[s] + column[s] * self.slope[0]));
-            cover(outside, z, id, depth, owner);
-        }
+        pixels
     }
 
-    /// Does what [`TriangleSetup::cover_all`] does, at those places of the tile where the triangle is there.
-    pub(super) fn cover_where(
+    /// Does what [`TriangleSetup::fill`] does, at those places of the tile where the triangle is there.
+    pub(super) fn fill_where(
         &self,
-        row: &PixelRow,
         id: u32,
-        depths: &mut [[f32; SAMPLES]],
-        owners: &mut [[u32; SAMPLES]],
+        depth: &mut [[f32; SAMPLES]],
+        owner: &mut [[u32; SAMPLES]],
         is_there: impl Fn([f32; 2]) -> bool,
-    ) {
-        let [left, top, ..] = self.pixels;
-        let mut edges = row.edges;
-        for (column, (depth, owner)) in (row.column..).zip(depths.iter_mut().zip(owners)) {
-            let at = |k: usize, s: usize| edges[k].wrapping_add(self.samples[k][s]);
-            let outside: [i32; SAMPLES] = std::array::from_fn(|s| at(0, s) | at(1, s) | at(2, s));
-            let place = |s: usize| {
-                let [x, y] = SAMPLE_PLACES[s].map(|eighths| eighths as f32 / 8.0);
-                [(left as usize + column) as f32 + x, y + (top as usize + row.row) as f32]
-            };
-            let is_hole = |s: usize| outside[s] >= 0 && !is_there(place(s));
-            let outside = std::array::from_fn(|s| if is_hole(s) { -1 } else { outside[s] });
-            let shift = column as f32 * self.slope[0];
-            let z = row.depth.map(|z| self.within(z + shift));
-            cover(outside, z, id, depth, owner);
-            step(&mut edges, self.right);
+    ) -> u64 {
+        let [left, top, right, bottom] = self.pixels;
+        let n = (right - left + 1) as usize;
+        let mut pixels = 0;
+        for (row, y) in (0_i32..).zip(top..=bottom) {
+            let span = if n < CUT_PX { 0..n } else { self.span(row, n) };
+            pixels += span.len() as u64 + if n < CUT_PX { 0 } else { ROW_PX };
+            let lift = row as f32 * self.slope[1];
+            for column in span {
+                let edge = |k: usize, s: usize| {
+                    let [x, y] = SAMPLE_PLACES[s];
+                    let right = self.right[k].wrapping_mul(8 * column as i32 + x);
+                    self.edges[k].wrapping_add(right).wrapping_add(self.down[k].wrapping_mul(8 * row + y))
+                };
+                let outside: [i32; SAMPLES] = std::array::from_fn(|s| edge(0, s) | edge(1, s) | edge(2, s));
+                let place = |s: usize| {
+                    let [x, y] = SAMPLE_PLACES[s].map(|eighths| eighths as f32 / 8.0);
+                    [(left as usize + column) as f32 + x, y + (top + row) as f32]
+                };
+                let is_hole = |s: usize| outside[s] >= 0 && !is_there(place(s));
+                let outside = std::array::from_fn(|s| if is_hole(s) { -1 } else { outside[s] });
+                let z = self.depth.map(|z| self.within(z + lift + column as f32 * self.slope[0]));
+                let pixel = (y * TILE_SIDE + left) as usize + column;
+                cover(outside, z, id, &mut depth[pixel], &mut owner[pixel]);
+            }
         }
+        pixels
     }
 
     /// Returns a depth, clamped to the depths of the corners.
@@ -278,17 +306,19 @@ impl TriangleSetup {
         if z < self.range[1] { z } else { self.range[1] }
     }
 
-    /// Returns the columns of a row of `n` pixels in which a sample may lie inside; `start` are the edge functions at
-    /// the first pixel. An edge function that is negative at all samples of a pixel leaves it out, and all are linear
-    /// along the row.
+    /// Returns the columns of a row of `n` pixels in which a sample may lie inside. An edge function that is negative at
+    /// all samples of a pixel leaves it out, and all are linear along the row.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    pub(super) fn span(&self, start: &[i32; 3], n: usize) -> Range<usize> {
+    fn span(&self, row: i32, n: usize) -> Range<usize> {
         let (mut first, mut end) = (0_i64, n as i64);
-        for ((edge, samples), &right) in start.iter().zip(&self.samples).zip(&self.right) {
-            let most = samples[0].max(samples[1]).max(samples[2]).max(samples[3]);
+        for k in 0..3 {
+            let at = |[x, y]: [i32; 2]| self.right[k].wrapping_mul(x).wrapping_add(self.down[k].wrapping_mul(y));
+            let [a, b, c, d] = SAMPLE_PLACES;
+            let most = at(a).max(at(b)).max(at(c)).max(at(d));
+            let edge = self.edges[k].wrapping_add((8 * self.down[k]).wrapping_mul(row));
             let most = i64::from(edge.wrapping_add(most));
-            let right = i64::from(right);
+            let right = i64::from(8 * self.right[k]);
             if right > 0 && most < 0 {
                 // most + right column >= 0
                 first = first.max((-most + right - 1) / right);
