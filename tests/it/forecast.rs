@@ -202,6 +202,7 @@ fn options(format: &dyn Format) -> Vec<Value> {
             json!({ "format": name, "show": everything(), "styles": [{ "dash": "dash-dot", "label": "x" }] }),
         ],
         "png" => vec![json!({ "format": name, "width": 32, "height": 24 })],
+        "apng" => vec![json!({ "format": name, "width": 32, "height": 24, "frames": 3 })],
         "ply" => vec![json!({ "format": name }), json!({ "format": name, "ascii": true })],
         "obj" => vec![json!({ "format": name }), json!({ "format": name, "normals": "area" })],
         _ => vec![json!({ "format": name })],

@@ -344,6 +344,9 @@ fn all_writers_take_the_limit() {
             if has_normals {
                 output["normals"] = json!(normals);
             }
+            if name == "apng" {
+                output["frames"] = json!(2);
+            }
             if ["svg", "pdf"].contains(&name) {
                 output["sections"] = json!([{ "point": [0, 0, 0.1], "normal": [0, 0, 1] }]);
             }

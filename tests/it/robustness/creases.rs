@@ -105,6 +105,9 @@ proptest! {
                         (output["tolerance"], output["continuity"]) = (json!(1e-2), json!("bicubic"));
                     }
                     ("png", _) => (output["width"], output["height"]) = (json!(32), json!(24)),
+                    ("apng", _) => {
+                        (output["width"], output["height"], output["frames"]) = (json!(32), json!(24), json!(3));
+                    }
                     ("obj" | "ply" | "glb" | "gltf", Some(normals)) => {
                         (output["normals"], output["ids"]) = (json!(normals), json!(true));
                     }
