@@ -26,7 +26,8 @@ pub(super) struct Samples {
 /// The work of drawing triangles.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Done {
-    /// Pixels looked at, and [`ROW_PX`] for each row of them that was cut to what the triangle may cover.
+    /// Pixels looked at, and [`ROW_PX`](super::triangle::ROW_PX) for each row of them that was cut to what the triangle
+    /// may cover.
     pub(super) pixels: u64,
     /// Triangles looked at.
     pub(super) triangles: u64,
