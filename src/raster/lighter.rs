@@ -41,7 +41,7 @@ struct RowParts {
     at: [u32; SAMPLES],
     /// For each sample and pixel, the samples of the pixel that see the same triangle, one bit each.
     held: [[u32; TILE]; SAMPLES],
-    /// The pixels in which a triangle ends and nothing follows, one bit each.
+    /// The pixels that are covered only in part, one bit each.
     cut: u32,
 }
 
@@ -75,6 +75,7 @@ impl Lighter {
                     let x = rest.trailing_zeros();
                     rest &= rest - 1;
                     let (owner, held) = (owners[x as usize][s], held[x as usize]);
+                    // a set of four samples is below 16 anyway; this spares a check
                     self.add(scene, ([x, y], owner), SAMPLE_CENTRES[held as usize % SAMPLE_CENTRES.len()]);
                 }
             }

@@ -73,7 +73,8 @@ pub(super) struct Occlusion {
     /// Its inverse; both are powers of two.
     cells_a_px: f32,
     size: [usize; 2],
-    /// Distance along the view in radii of the model; infinite where there is nothing, and behind the last cell.
+    /// Distance along the view in radii of the model; infinite where there is nothing, and
+    /// once more after the last cell, for places outside.
     distance: Vec<f32>,
     /// The remaining fraction of the light.
     open: Vec<f32>,
@@ -286,7 +287,7 @@ impl Occlusion {
 }
 
 /// Returns how much each place of a circle about the cell `[x, y]` hides of the sky above the point `at` with this
-/// normal, where the circle reaches so many cells far. Wider vectors give the same bits.
+/// normal; `reach` is the radius of the circle in cells. Wider vectors give the same bits.
 #[multiversion(targets("x86_64+avx2"))]
 fn hidden(
     cells: &Occlusion,

@@ -41,15 +41,15 @@ pub(super) const ROW_PX: u64 = 8;
 /// A triangle prepared for a tile; values are those of the first pixel of its bounding box.
 pub(super) struct TriangleSetup {
     /// The edge functions at the corner of the pixel; not negative inside.
-    pub(super) edges: [i32; 3],
+    edges: [i32; 3],
     /// Their steps for an eighth of a pixel.
     right: [i32; 3],
     down: [i32; 3],
     /// Pixels of the tile, bounds included: left, top, right, bottom.
-    pub(super) pixels: [i32; 4],
-    pub(super) depth: [f32; SAMPLES],
-    pub(super) slope: [f32; 2],
-    pub(super) range: [f32; 2],
+    pixels: [i32; 4],
+    depth: [f32; SAMPLES],
+    slope: [f32; 2],
+    range: [f32; 2],
 }
 
 /// Samples of the two pixels that are looked at together: eight numbers of 32 bits fill a vector register of 256 bits.
@@ -202,6 +202,26 @@ impl TriangleSetup {
         Some(setup)
     }
 
+    /// Returns the edge functions, the depths and the columns at the samples of the first two pixels.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
+    fn first_pair(&self) -> ([[i32; PAIR_SAMPLES]; 3], [f32; PAIR_SAMPLES], [f32; PAIR_SAMPLES]) {
+        let mut edges = [[0_i32; PAIR_SAMPLES]; 3];
+        for (k, edges) in edges.iter_mut().enumerate() {
+            let (edge, right, down) = (self.edges[k], self.right[k], self.down[k]);
+            for (lane, at) in edges.iter_mut().enumerate() {
+                let across = right.wrapping_mul(PAIR_PLACES[0][lane]);
+                *at = edge.wrapping_add(across).wrapping_add(down.wrapping_mul(PAIR_PLACES[1][lane]));
+            }
+        }
+        let (mut base, mut columns) = ([0.0; PAIR_SAMPLES], [0.0; PAIR_SAMPLES]);
+        for lane in 0..PAIR_SAMPLES {
+            base[lane] = self.depth[lane % SAMPLES];
+            columns[lane] = (lane / SAMPLES) as f32;
+        }
+        (edges, base, columns)
+    }
+
     /// Gives triangle number `id` the samples of the tile that it covers and where it is the nearest. Returns the
     /// pixels looked at, and [`ROW_PX`] for each row that was cut.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
@@ -209,19 +229,7 @@ impl TriangleSetup {
     pub(super) fn fill(&self, id: u32, depth: &mut [[f32; SAMPLES]], owner: &mut [[u32; SAMPLES]]) -> u64 {
         let [left, top, right, bottom] = self.pixels;
         let n = (right - left + 1) as usize;
-        let mut start = [[0_i32; PAIR_SAMPLES]; 3];
-        for (k, start) in start.iter_mut().enumerate() {
-            let (edge, right, down) = (self.edges[k], self.right[k], self.down[k]);
-            for (lane, start) in start.iter_mut().enumerate() {
-                let across = right.wrapping_mul(PAIR_PLACES[0][lane]);
-                *start = edge.wrapping_add(across).wrapping_add(down.wrapping_mul(PAIR_PLACES[1][lane]));
-            }
-        }
-        let (mut base, mut first_columns) = ([0.0; PAIR_SAMPLES], [0.0; PAIR_SAMPLES]);
-        for lane in 0..PAIR_SAMPLES {
-            base[lane] = self.depth[lane % SAMPLES];
-            first_columns[lane] = (lane / SAMPLES) as f32;
-        }
+        let (mut start, base, first_columns) = self.first_pair();
         let mut pixels = 0;
         for (row, y) in (0_i32..).zip(top..=bottom) {
             let span = if n < CUT_PX { 0..n } else { self.span(row, n) };
@@ -306,8 +314,8 @@ impl TriangleSetup {
         if z < self.range[1] { z } else { self.range[1] }
     }
 
-    /// Returns the columns of a row of `n` pixels in which a sample may lie inside. An edge function that is negative at
-    /// all samples of a pixel leaves it out, and all are linear along the row.
+    /// Returns the columns of a row of `n` pixels in which a sample may lie inside. An edge function that is negative
+    /// at all samples of a pixel leaves it out, and all are linear along the row.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
     fn span(&self, row: i32, n: usize) -> Range<usize> {
