@@ -17,7 +17,7 @@ use super::negotiate::has_tag;
 use super::problem::{self, Problem};
 use super::segment::PathSegment;
 use crate::fault::{Fault, shortened};
-use crate::input::{Alone, READERS};
+use crate::input::{self, Alone, READERS};
 use crate::job::key::Key;
 use crate::service::computation::Failure;
 use crate::service::peer::{Paid, Peer};
@@ -202,10 +202,20 @@ fn media_type_of(kind: BodyKind, headers: &HeaderMap, first: &[u8]) -> Result<&'
     if matches!(kind, BodyKind::Untold) && first.starts_with(PICTURE_STARTS) {
         return Ok(PICTURE);
     }
-    match kind.notation(headers, AcceptedBodies::Uploads, first)? {
-        Notation::Job | Notation::JobAs(_) => Ok(JSON),
-        Notation::File(reader, _) => Ok(reader.media_type),
+    let (declared, media_type) = match kind.notation(headers, AcceptedBodies::Uploads, first)? {
+        Notation::Job | Notation::JobAs(_) => (None, JSON),
+        Notation::File(reader, _) => (Some(reader), reader.media_type),
+    };
+    // jobs read the file by its type, which stays that of its first upload
+    if let Some(own) = input::mistaken(first, declared) {
+        let declared = declared.map_or("json", |reader| reader.name);
+        let detail = format!(
+            "Content-Type is {media_type}, but the file begins like {}, not like {declared}; send it as {}",
+            own.name, own.media_type
+        );
+        return Err(Problem::new(problem::MEDIA_TYPE, detail));
     }
+    Ok(media_type)
 }
 
 /// Returns the name of the format of meshes with a media type.

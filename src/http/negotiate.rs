@@ -126,21 +126,22 @@ fn weight(text: &str) -> Option<f64> {
     is_plain.then(|| text.parse().ok()).flatten()
 }
 
-/// Returns how long the client is willing to wait (`Prefer: wait=N`, `respond-async`), and whether it said so.
+/// Returns how long the client is willing to wait (`Prefer: wait=N`, or not at all: `respond-async` alone), and whether
+/// it said so. Together they ask to wait and only then to be told later (RFC 7240, 4.3).
 pub(super) fn patience(headers: &HeaderMap) -> (Duration, bool) {
     let preferences = headers.get_all(HeaderName::from_static("prefer"));
-    let preferences =
-        preferences.iter().filter_map(|value| value.to_str().ok()).flat_map(|value| value.split([',', ';']));
-    for preference in preferences.map(|preference| preference.trim().to_ascii_lowercase()) {
-        if preference == "respond-async" {
-            return (Duration::ZERO, true);
-        }
+    let preferences = preferences.iter().filter_map(|value| value.to_str().ok()).flat_map(|value| value.split(','));
+    let mut is_async = false;
+    for preference in preferences {
+        // none of these has parameters
+        let preference = preference.split(';').next().unwrap_or_default().trim().to_ascii_lowercase();
+        is_async |= preference == "respond-async";
         let seconds = preference.strip_prefix("wait=").and_then(|n| position(n.trim_matches('"')));
         if let Some(seconds) = seconds {
             return (Duration::from_secs(seconds).min(MAX_GRANTED_WAIT), true);
         }
     }
-    (DEFAULT_WAIT, false)
+    if is_async { (Duration::ZERO, true) } else { (DEFAULT_WAIT, false) }
 }
 
 /// Returns the ETag by which `If-None-Match` names the artifact or one of its variants, compared weakly (RFC 9110).

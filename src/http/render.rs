@@ -47,7 +47,7 @@ use crate::wire::query::name_of;
     post, path = "/v1/render", tag = "jobs",
     params(
         ("Prefer" = Option<String>, Header,
-            description = "`wait=N` waits N seconds at most, `respond-async` not at all"),
+            description = "`wait=N` waits N seconds at most, `respond-async` alone not at all"),
         ("If-None-Match" = Option<String>, Header, description = "ETags of results that the client has"),
         ("keep" = Option<bool>, Query,
             description = "`true` keeps the result even where it has more than `keep_at_most_bytes`"),

@@ -26,7 +26,7 @@ pub use crate::shape::labels::FaceSet;
 pub use crate::shape::looks::Look;
 pub use base64::decode as from_base64;
 pub use beside::{Alone, Beside, InputFile, WithLibrary};
-pub use find::{named, of_bytes, of_extension, own};
+pub use find::{mistaken, named, of_bytes, of_extension, own};
 pub use kind::{foreign, is_text};
 pub use likeness::{FileStart, Likeness};
 pub use reader::{CornerUvs, ReadLimits, ReadMesh, Reader, Vertices};

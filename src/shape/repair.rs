@@ -19,7 +19,7 @@ impl MeshInput {
     /// A mesh with unrelated faults is returned unchanged, so that [`super::mesh::Mesh::new`] refuses it.
     ///
     /// # Errors
-    /// A distance that cannot be used, at `/weld`; a face that would meet a vertex twice.
+    /// A distance that cannot be used or that leaves no face, at `/weld`; a face that would meet a vertex twice.
     pub fn welded(mut self, distance: f64) -> Result<Self, Fault> {
         let n = self.positions.len();
         let is_whole = (0..self.faces.len()).all(|f| self.faces.face(f).iter().all(|&v| (v as usize) < n));
@@ -33,6 +33,13 @@ impl MeshInput {
             );
             Fault::new("/weld", detail)
         })?;
+        if result.faces.is_empty() && !self.faces.is_empty() && distance > 0.0 {
+            let detail = format!(
+                "merging vertices within {distance} leaves none of {} faces; choose a smaller distance",
+                self.faces.len()
+            );
+            return Err(Fault::new("/weld", detail));
+        }
         if welded.merged() > 0 {
             self.repairs.push(Repair::Welded { merged: welded.merged(), pairs: welded.pairs.clone() });
             let lost = self.attributes.as_ref().and_then(|attributes| lost_parameters(attributes, &welded));

@@ -114,6 +114,17 @@ fn what_is_no_file_of_a_reader_or_too_long_is_refused_and_leaves_nothing() {
             assert!(told.starts_with(said) && told.contains("a picture as image/png"), "{problem}");
             assert!(told.ends_with(&format!("-H 'Content-Type: {meant}'")) && !told.contains("job"), "{problem}");
         }
+        for (media_type, bytes, said) in [
+            ("model/stl", OBJ.as_bytes(), "like obj, not like stl; send it as model/obj"),
+            ("application/json", OBJ.as_bytes(), "like obj, not like json; send it as model/obj"),
+            ("model/gltf+json", b"ply\nformat ascii 1.0\n", "like ply, not like gltf; send it as model/ply"),
+            ("model/obj", b"glTF\x02\0\0\0", "like glb, not like obj; send it as model/gltf-binary"),
+        ] {
+            let problem = send(server, media_type, bytes).await.problem(415, "unsupported-media-type");
+            assert!(problem["detail"].as_str().unwrap().ends_with(said), "{problem}");
+        }
+        // refused files are not kept under the wrong type
+        assert_eq!(send(server, "model/obj", OBJ.as_bytes()).await.json()["format"], "obj");
         let coded = [("content-type", "model/obj"), ("content-encoding", "gzip")];
         let coded = server.ask(Method::POST, "/v1/blobs", &coded, OBJ.into()).await;
         coded.problem(415, "unsupported-media-type");

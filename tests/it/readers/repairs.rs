@@ -191,6 +191,17 @@ fn a_weld_that_merges_nothing_changes_nothing() {
 }
 
 #[test]
+fn a_weld_that_merges_every_face_away_is_refused_by_its_distance() {
+    let faults =
+        support::parsed(with(&cube(), &json!({ "weld": 9 })).to_string().as_bytes()).expect_err("no face is left");
+    let told = "merging vertices within 9 leaves none of 6 faces; choose a smaller distance";
+    assert_eq!(
+        faults.iter().map(|fault| (&*fault.pointer, &*fault.detail)).collect::<Vec<_>>(),
+        [("/input/weld", told)]
+    );
+}
+
+#[test]
 fn triangulated_quads_come_back() {
     for net in [flat(4, 3), cuboid(), cube()] {
         let (found, warnings) = repaired(&triangulated(&net), &json!({ "pair_quads": true }));
