@@ -13,6 +13,7 @@ use super::literal::WireLiteral;
 use super::output::{OutputRequest, outputs};
 use super::place::InputPlace;
 use super::plan::PlanRequest;
+use super::polygon::PolygonRequest;
 use super::text::MeshFile;
 use super::variants::{InputSchema, PlanSchema};
 use super::{object, whole};
@@ -145,14 +146,16 @@ impl JobRequest {
 
     /// Returns the kind of shape of the result, as far as the unchecked request tells.
     pub fn shape_kind(&self) -> ShapeKind {
-        let first = self.input.polygon.iter().chain(self.input.polygons.iter().flatten()).next();
-        match first {
-            Some(polygon) if self.input.mesh.is_none() => {
-                let dimension = polygon.points.first().map_or(1, Vec::len);
-                ShapeKind::Curves { dimension: dimension.saturating_sub(usize::from(polygon.rational)).max(1) }
-            }
-            _ => ShapeKind::Mesh,
+        let input = &self.input;
+        if input.mesh.is_some() || (input.polygon.is_none() && input.polygons.is_none()) {
+            return ShapeKind::Mesh;
         }
+        let dimension = |polygon: &PolygonRequest| {
+            let dimension = polygon.points.first().map_or(1, Vec::len);
+            dimension.saturating_sub(usize::from(polygon.rational)).max(1)
+        };
+        let first = input.polygon.iter().chain(input.polygons.iter().flatten()).next();
+        ShapeKind::Curves { dimension: first.map_or(2, dimension) }
     }
 
     /// Checks the request as a whole, with the default limits on mesh files.

@@ -212,7 +212,11 @@ fn one_of_several_polygons_is_named_by_its_place() {
         &json!({ "polygons": [{ "points": [[0], [1]] }, { "points": [[0]] }] }),
         &[("/input/polygons/1/points", "an open polygon needs at least 2 points; this one has 1")],
     );
-    check_input(&json!({ "polygons": [] }), &[("/input/polygons", "0 polygons; 1 to 4096 are allowed")]);
+    let none = [("/input/polygons", "0 polygons; 1 to 4096 are allowed")];
+    check_input(&json!({ "polygons": [] }), &none);
+    // a plan for polygons fits them, though there are none
+    let found = support::faults(json!({ "input": { "polygons": [] }, "plan": { "preset": "chaikin" }, "levels": 1 }));
+    assert_eq!(found.iter().map(|fault| (&*fault.pointer, &*fault.detail)).collect::<Vec<_>>(), none);
 }
 
 #[test]
