@@ -137,6 +137,13 @@ fn request(job: &Value) -> Result<JobRequest, String> {
     Ok(request)
 }
 
+/// Asks for a picture of a job without outputs.
+fn show(request: &mut JobRequest) {
+    if request.outputs.is_empty() {
+        request.outputs = vec![OutputRequest::of_format("png")];
+    }
+}
+
 fn listed(lines: impl Iterator<Item = impl ToString>) -> String {
     lines.map(|line| line.to_string()).collect::<Vec<_>>().join("\n")
 }
@@ -160,10 +167,10 @@ fn made(admitted: &Admitted, watch: &Watch) -> Result<(Vec<u8>, Report), String>
 
 fn render(job: &Value, out: Option<&Path>, watch: &Watch) -> Said {
     let mut request = request(job)?;
-    match request.outputs.len() {
-        0 => request.outputs = vec![OutputRequest::of_format("png")],
-        1 => {}
-        n => return Err(format!("{n} outputs; a call answers with one, ask for the others by themselves")),
+    show(&mut request);
+    let n = request.outputs.len();
+    if n > 1 {
+        return Err(format!("{n} outputs; a call answers with one, ask for the others by themselves"));
     }
     let admitted = admitted(request, watch)?;
     if admitted.job().detail_keys().next().is_some() {
@@ -219,18 +226,14 @@ fn views(job: &Value, watch: &Watch) -> Said {
 fn validate(job: &Value) -> Said {
     let mut request = request(job)?;
     let purpose = request.stated_purpose();
-    if request.outputs.is_empty() {
-        request.outputs = vec![OutputRequest::of_format(request.usual_format())];
-    }
+    show(&mut request);
     let limits = Limits::default();
     json_answer(&report(request.examine(purpose, &limits.reading()).bounded(&limits, &Watch::new())))
 }
 
 fn estimate(job: &Value, watch: &Watch) -> Said {
     let mut request = request(job)?;
-    if request.outputs.is_empty() {
-        request.outputs = vec![OutputRequest::of_format(request.usual_format())];
-    }
+    show(&mut request);
     let admitted = admitted(request, watch)?;
     json_answer(&EstimateAnswer::new(admitted.job(), admitted.estimate()))
 }

@@ -100,6 +100,12 @@ fn a_client_lists_the_tools_and_calls_each() {
     assert_eq!((&found["valid"], &found["errors"][0]["pointer"]), (&json!(false), &json!("/input/mesh/faces/2/1")));
     let found: Value = serde_json::from_str(&client.text("estimate", &json!({ "job": mesh(3) }))).unwrap();
     assert_eq!(found["levels"][3]["faces"], 384);
+    for job in [mesh(3), polygon(2)] {
+        let (content, _) = client.call("render", &json!({ "job": job }));
+        assert_eq!(width(&content[0]), 1024, "a job without outputs is drawn");
+        let found: Value = serde_json::from_str(&client.text("estimate", &json!({ "job": job }))).unwrap();
+        assert_eq!(found["outputs"][0]["format"], "png", "what it comes to is what it gives");
+    }
     let mut job = with(mesh(2), "png");
     job["outputs"][0]["width"] = 80.into();
     let (content, _) = client.call("render", &json!({ "job": job }));
