@@ -24,7 +24,7 @@ pub(super) struct Lighter {
 }
 
 /// What is lit in a tile.
-pub(super) struct Scene<'a> {
+pub(super) struct LitTile<'a> {
     model: &'a BinnedModel<'a>,
     lamps: &'a Lamps,
     /// The first pixel of the tile.
@@ -45,7 +45,7 @@ struct RowParts {
     cut: u32,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> LitTile<'a> {
     pub(super) fn new(model: &'a BinnedModel<'a>, lamps: &'a Lamps, origin: [i32; 2], is_clear: bool) -> Self {
         let is_plain = model.paint.is_none() && model.finisher.is_none();
         Self { model, lamps, origin, is_clear, is_plain }
@@ -63,7 +63,7 @@ impl Lighter {
     }
 
     /// Lights what is seen in a tile, given the triangle seen at each sample.
-    pub(super) fn illuminate(&mut self, scene: &Scene<'_>, owners: &[[u32; SAMPLES]]) {
+    pub(super) fn illuminate(&mut self, tile: &LitTile<'_>, owners: &[[u32; SAMPLES]]) {
         self.facets.clear();
         self.marks.clear();
         self.light.fill([0.0; 4]);
@@ -76,15 +76,15 @@ impl Lighter {
                     rest &= rest - 1;
                     let (owner, held) = (owners[x as usize][s], held[x as usize]);
                     // a set of four samples is below 16 anyway; this spares a check
-                    self.add(scene, ([x, y], owner), SAMPLE_CENTRES[held as usize % SAMPLE_CENTRES.len()]);
+                    self.add(tile, ([x, y], owner), SAMPLE_CENTRES[held as usize % SAMPLE_CENTRES.len()]);
                 }
             }
         }
-        self.finish(scene);
+        self.finish(tile);
     }
 
     /// Lights the pixels that were drawn with more samples anew.
-    pub(super) fn look_closely(&mut self, scene: &Scene<'_>, fine: &Fine) {
+    pub(super) fn look_closely(&mut self, tile: &LitTile<'_>, fine: &Fine) {
         for (pixel, owners) in fine.pixels() {
             self.light[pixel as usize] = [0.0; 4];
             let all = (1 << FINE_SAMPLES) - 1;
@@ -93,33 +93,33 @@ impl Lighter {
                 let owner = owners[rest.trailing_ones() as usize];
                 let held = held_by(owners, owner);
                 rest |= held;
-                self.add(scene, ([pixel % TILE_WIDTH, pixel / TILE_WIDTH], owner), fine_centre(held));
+                self.add(tile, ([pixel % TILE_WIDTH, pixel / TILE_WIDTH], owner), fine_centre(held));
             }
         }
-        self.finish(scene);
+        self.finish(tile);
     }
 
     /// Lights the part of a pixel in which a triangle is seen; the part is given by its centroid and its share.
     #[inline]
-    fn add(&mut self, scene: &Scene<'_>, ([x, y], owner): ([u32; 2], u32), [right, down, share]: [f32; 3]) {
-        let Scene { model, origin, .. } = *scene;
+    fn add(&mut self, tile: &LitTile<'_>, ([x, y], owner): ([u32; 2], u32), [right, down, share]: [f32; 3]) {
+        let LitTile { model, origin, .. } = *tile;
         let (facet, tint) = self.facets.of(model, owner, origin);
         let place = [x as f32 + right, y as f32 + down];
         let share =
-            if scene.is_plain { share } else { share * dress(&mut self.spots, scene, owner, (facet, tint), place) };
+            if tile.is_plain { share } else { share * dress(&mut self.spots, tile, owner, (facet, tint), place) };
         let global = [origin[0] as f32 + place[0], origin[1] as f32 + place[1]];
         self.spots.push((TILE_WIDTH * y + x, share), facet.normal(place), global, facet.back);
         if self.spots.full() {
-            self.finish(scene);
+            self.finish(tile);
         }
     }
 
     /// Adds the light of the waiting spots; if the surface has a finish, their colours unchanged.
-    fn finish(&mut self, scene: &Scene<'_>) {
-        if scene.model.finisher.is_some() {
+    fn finish(&mut self, tile: &LitTile<'_>) {
+        if tile.model.finisher.is_some() {
             self.spots.show(&mut self.light, &mut self.marks);
         } else {
-            scene.lamps.illuminate(&mut self.spots, &mut self.light, &mut self.marks);
+            tile.lamps.illuminate(&mut self.spots, &mut self.light, &mut self.marks);
         }
     }
 }
@@ -128,12 +128,12 @@ impl Lighter {
 #[inline(never)]
 fn dress(
     spots: &mut Spots,
-    scene: &Scene<'_>,
+    tile: &LitTile<'_>,
     owner: u32,
     (facet, tint): (&Facet, Option<&Tint>),
     place: [f32; 2],
 ) -> f32 {
-    let Scene { model, lamps, origin, .. } = *scene;
+    let LitTile { model, lamps, origin, .. } = *tile;
     let paint = model.paint.as_ref().zip(tint);
     let painted = paint.map(|(paint, tint)| paint.color(tint, place));
     let finished = model.finisher.as_ref().map(|finisher| {
@@ -147,7 +147,7 @@ fn dress(
     if let Some(paint) = &model.paint {
         spots.finish(paint.finish(model.whole(owner)));
     }
-    paint.filter(|_| scene.is_clear).map_or(1.0, |(paint, tint)| paint.alpha(model.whole(owner), tint, place))
+    paint.filter(|_| tile.is_clear).map_or(1.0, |(paint, tint)| paint.alpha(model.whole(owner), tint, place))
 }
 
 /// Returns the parts of the pixels of a row, given the triangle seen at each sample.

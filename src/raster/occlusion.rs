@@ -51,10 +51,10 @@ const OCCLUSION_STRENGTH: f32 = 2.2;
 const LEAST_OPEN: f32 = 0.3;
 
 /// Places around a cell, right and down, within a circle of radius one.
-type Circle = [[f32; PLACES_A_CELL]; 2];
+type SampleCircle = [[f32; PLACES_A_CELL]; 2];
 
 /// The places for each turn.
-static CIRCLES: LazyLock<[Circle; CIRCLE_KINDS]> = LazyLock::new(|| {
+static CIRCLES: LazyLock<[SampleCircle; CIRCLE_KINDS]> = LazyLock::new(|| {
     std::array::from_fn(|turn| {
         // the golden angle leads round, equal areas lead out
         let angle = |tap: usize| TAU * (turn as f64 / CIRCLE_KINDS as f64 + 0.381_966 * tap as f64);
@@ -195,7 +195,7 @@ impl Occlusion {
     }
 
     /// Returns the remaining fraction of the light of a cell, with the grain of eight places.
-    fn found(&self, circles: &[Circle; CIRCLE_KINDS], x: usize, y: usize) -> f32 {
+    fn found(&self, circles: &[SampleCircle; CIRCLE_KINDS], x: usize, y: usize) -> f32 {
         let here @ [x, y] = [x, y].map(usize::cast_signed);
         if self.distance(x, y).is_infinite() {
             return 1.0;
@@ -292,7 +292,7 @@ impl Occlusion {
 fn hidden(
     cells: &Occlusion,
     [x, y]: [i32; 2],
-    circle: &Circle,
+    circle: &SampleCircle,
     (at, normal, reach): (Vec3f, Vec3f, f32),
 ) -> [f32; PLACES_A_CELL] {
     let [columns, rows] = cells.size.map(|side| side as u32);

@@ -4,7 +4,7 @@ use super::binned_model::BinnedModel;
 use super::bins::TILE;
 use super::fine::Fine;
 use super::forecast;
-use super::lighter::{Lighter, Scene};
+use super::lighter::{Lighter, LitTile};
 use super::line::StrokeLayer;
 use super::paint::Hiding;
 use super::samples::Samples;
@@ -92,7 +92,7 @@ impl TileScratch {
         watch.advance(forecast::rows(self.samples.done()));
         let mut drawn = Drawn { surface: Vec::new(), depth: Vec::new(), over: Vec::new() };
         if let Some(lamps) = model.lamps.as_ref().filter(|_| surface) {
-            self.lighter.illuminate(&Scene::new(model, lamps, origin, false), &self.samples.owner);
+            self.lighter.illuminate(&LitTile::new(model, lamps, origin, false), &self.samples.owner);
             if is_fine && !self.lighter.marks.is_empty() {
                 self.look_closely(model, lamps, (tile, origin), watch)?;
             }
@@ -134,7 +134,7 @@ impl TileScratch {
                 }
             }
         }
-        self.lighter.look_closely(&Scene::new(model, lamps, origin, false), &self.fine);
+        self.lighter.look_closely(&LitTile::new(model, lamps, origin, false), &self.fine);
         Ok(())
     }
 
@@ -164,7 +164,7 @@ impl TileScratch {
                 }
             }
             watch.advance(forecast::rows(samples.done()));
-            lighter.illuminate(&Scene::new(model, lamps, origin, true), &samples.owner);
+            lighter.illuminate(&LitTile::new(model, lamps, origin, true), &samples.owner);
             for (under, over) in self.lighter.light.iter_mut().zip(&lighter.light) {
                 *under = std::array::from_fn(|k| over[k] + (1.0 - over[3]) * under[k]);
             }
