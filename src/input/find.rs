@@ -20,12 +20,12 @@ pub fn of_bytes(bytes: &[u8]) -> Option<&'static Reader> {
     like(bytes, Likeness::Is)
 }
 
-/// Returns the reader of a file that was declared to be of another one (`None`: a mesh as JSON), which it does not
-/// begin like.
+/// Returns the reader that the first bytes of a file indicate, if the file does not begin like those of the reader that
+/// it was declared for (`None`: it is a mesh as JSON).
 pub fn mistaken(bytes: &[u8], declared: Option<&'static Reader>) -> Option<&'static Reader> {
     let start = FileStart::of(bytes);
     let is_like = declared.is_some_and(|reader| (reader.likeness)(&start) > Likeness::Unlike);
-    of_bytes(bytes).filter(|own| !is_like && declared.is_none_or(|declared| declared.name != own.name))
+    of_bytes(bytes).filter(|_| !is_like)
 }
 
 /// Returns the name of the reader for files that begin like these bytes.

@@ -46,9 +46,12 @@ fn every_way_to_say_at_once_is_understood() {
             assert_eq!(answer.status, 202, "{prefer}");
         }
         drop(held);
-        for prefer in ["respond-async, wait=20", "wait=20, respond-async", "respond-async; a=b, wait=20; c"] {
-            let distinct = with(mesh(2), if prefer.ends_with('c') { "ply" } else { "obj" });
-            let answer = server.post_with("/v1/render", &distinct, &[("prefer", prefer)]).await;
+        for (format, prefer) in [
+            ("obj", "respond-async, wait=20"),
+            ("ply", "wait=20, respond-async"),
+            ("stl", "respond-async; a=b, wait=20; c"),
+        ] {
+            let answer = server.post_with("/v1/render", &with(mesh(2), format), &[("prefer", prefer)]).await;
             assert_eq!(answer.status, 200, "first a wait, only then an answer later: {prefer}");
         }
     });
