@@ -10,7 +10,7 @@ use super::line::StrokeLayer;
 use super::model::{Model, ShadingNormals, TriangleAppearance};
 use super::paint::{Paint, Tint};
 use super::project::{BEHIND, FAR_OUT, STEPS_A_PIXEL, Vertex, vertex, vertices};
-use super::shade::{Lamps, Vec3f};
+use super::shade::Lamps;
 use super::triangle::{area, touched};
 use crate::math::planar;
 use crate::math::vector::{cross, minus};
@@ -44,20 +44,20 @@ pub(super) struct BinnedModel<'a> {
     pub(super) finisher: Option<Finisher>,
 }
 
-/// Interpolates the normals of a triangle over a tile.
+/// Interpolates the normals of a triangle over a tile. The last of four numbers is 1 if the back of the triangle is
+/// seen, else 0; four fill a vector register.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Facet {
     /// Unnormalised normal at pixel (0, 0) of the tile, and its increments to the right and down.
-    base: Vec3f,
-    right: Vec3f,
-    down: Vec3f,
-    /// 1 if the back of the triangle is seen, else 0.
-    pub(super) back: f32,
+    base: [f32; 4],
+    right: [f32; 4],
+    down: [f32; 4],
 }
 
 impl Facet {
-    /// Returns the normal at a place in the tile, in pixels; its length is arbitrary.
-    pub(super) fn normal(&self, [x, y]: [f32; 2]) -> Vec3f {
+    /// Returns the normal at a place in the tile, in pixels, whose length is arbitrary, and whether the back is seen.
+    #[inline]
+    pub(super) fn normal(&self, [x, y]: [f32; 2]) -> [f32; 4] {
         std::array::from_fn(|k| self.base[k] + self.right[k] * x + self.down[k] * y)
     }
 }
@@ -237,7 +237,8 @@ impl<'a> BinnedModel<'a> {
         let local: [[f64; 2]; 3] =
             std::array::from_fn(|k| [f64::from(corners[k].x) / STEP - left, f64::from(corners[k].y) / STEP - top]);
         let back = area(&corners) > 0;
-        let mut facet = Facet { back: if back { 1.0 } else { 0.0 }, ..Facet::default() };
+        let mut facet = Facet::default();
+        facet.base[3] = if back { 1.0 } else { 0.0 };
         let unit = if back { 1.0 } else { -1.0 };
         let nearness = unit / f64::from(corners[0].depth);
         let mut weights = [[0.0; 3]; 3];

@@ -154,11 +154,12 @@ impl Shadow {
 }
 
 impl ShadowRow<'_> {
-    /// Returns the fraction of its light that the ground loses at the pixels of a row of a tile, from `first` on.
-    pub(super) fn dark(&self, first: usize) -> [f32; TILE] {
+    /// Returns the fraction of its light that the ground loses at the pixels of a row of a tile, from `first` on; `None`
+    /// if that is nothing at any of them.
+    pub(super) fn dark(&self, first: usize) -> Option<[f32; TILE]> {
         let [left, _, right, _] = self.shadow.reach_px;
         if first >= right || first + TILE <= left {
-            return [0.0; TILE];
+            return None;
         }
         let ([columns, rows], shares) = on_map(self, first as f64);
         let mut dark = [0.0; TILE];
@@ -166,7 +167,7 @@ impl ShadowRow<'_> {
             let share = shares[i];
             *dark = self.shadow.blended([columns[i], rows[i]]) * share * share * (3.0 - 2.0 * share);
         }
-        dark
+        dark.iter().any(|dark| *dark > 0.0).then_some(dark)
     }
 }
 

@@ -5,7 +5,7 @@ use super::paint::Tint;
 use super::triangle::NOBODY;
 
 /// Number of cached facets. Triangles with consecutive indices mostly lie in the same tile, so their slots differ. Half
-/// as many find triangles of a few pixels less often; twice as many need twice the second-level cache (36 KB now).
+/// as many find triangles of a few pixels less often; twice as many need twice the second-level cache (48 KB now).
 /// Pictures do not depend on it.
 const CACHED_FACETS: usize = 1024;
 
@@ -31,16 +31,23 @@ impl Facets {
     }
 
     /// Returns the facet of triangle `owner` in the tile at `origin`, with the variation of its paint, if it has any.
+    #[inline]
     pub(super) fn of(&mut self, model: &BinnedModel<'_>, owner: u32, origin: [i32; 2]) -> (&Facet, Option<&Tint>) {
         let place = owner as usize % CACHED_FACETS;
         if self.owners[place] != owner {
-            let (facet, tint) = model.facet(owner, origin);
-            (self.owners[place], self.known[place]) = (owner, facet);
-            if let Some(tint) = tint {
-                self.tints.resize(CACHED_FACETS, Tint::default());
-                self.tints[place] = tint;
-            }
+            self.learn(model, owner, origin);
         }
         (&self.known[place], self.tints.get(place))
+    }
+
+    #[inline(never)]
+    fn learn(&mut self, model: &BinnedModel<'_>, owner: u32, origin: [i32; 2]) {
+        let place = owner as usize % CACHED_FACETS;
+        let (facet, tint) = model.facet(owner, origin);
+        (self.owners[place], self.known[place]) = (owner, facet);
+        if let Some(tint) = tint {
+            self.tints.resize(CACHED_FACETS, Tint::default());
+            self.tints[place] = tint;
+        }
     }
 }

@@ -71,8 +71,10 @@ impl PixelSet {
 }
 
 /// Depth and owner of sixteen samples in some pixels of a tile.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Fine {
+    /// [`FINE_PLACES`], right and down, in memory, see [`PAIR_PLACES`](super::triangle::PAIR_PLACES).
+    places: [[i32; FINE_SAMPLES]; 2],
     pixels: [u32; TILE],
     /// For each row, the number of pixels in the rows above it.
     starts: [u32; TILE],
@@ -93,6 +95,13 @@ struct FineSetup {
     slope: [f64; 2],
     rise: [f32; FINE_SAMPLES],
     range: [f32; 2],
+}
+
+impl Default for Fine {
+    fn default() -> Self {
+        let places = [0, 1].map(|k| FINE_PLACES.map(|place| place[k]));
+        Self { places, pixels: [0; TILE], starts: [0; TILE], depth: Vec::new(), owner: Vec::new() }
+    }
 }
 
 impl Fine {
@@ -141,18 +150,17 @@ impl Fine {
     ) {
         let Some([left, top, right, bottom]) = in_tile(touched(&corners), origin) else { return };
         let columns = (u32::MAX >> (TILE_SIDE - 1 - (right - left))) << left;
-        let mut setup = None;
+        if (top..=bottom).all(|y| self.pixels[y as usize] & columns == 0) {
+            return;
+        }
+        let Some(setup) = FineSetup::new(corners, origin, &self.places) else { return };
         for y in top..=bottom {
             let row = self.pixels[y as usize];
             let mut rest = row & columns;
-            if rest == 0 {
-                continue;
-            }
-            let Some(setup) = setup.get_or_insert_with(|| FineSetup::new(corners, origin)) else { return };
             let before = (row & ((1 << left) - 1)).count_ones();
             let mut place = (self.starts[y as usize] + before) as usize;
             while rest != 0 {
-                self.cover(place, setup, [rest.trailing_zeros().cast_signed(), y], id, &is_there);
+                self.cover(place, &setup, [rest.trailing_zeros().cast_signed(), y], id, &is_there);
                 rest &= rest - 1;
                 place += 1;
             }
@@ -198,7 +206,7 @@ impl FineSetup {
     /// Prepares a triangle for a tile; returns `None` if it has no area.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    fn new(mut corners: [Vertex; 3], origin: [i32; 2]) -> Option<Self> {
+    fn new(mut corners: [Vertex; 3], origin: [i32; 2], places: &[[i32; FINE_SAMPLES]; 2]) -> Option<Self> {
         let area = area(&corners);
         if area == 0 {
             return None;
@@ -217,7 +225,7 @@ impl FineSetup {
             let value = i64::from(dx) * (top - i64::from(a.y)) - i64::from(dy) * (left - i64::from(a.x));
             edges[k] = (value - i64::from(!counts)) >> STEP_SHIFT;
             (right[k], down[k]) = (-32 * i64::from(dy), 32 * i64::from(dx));
-            for (sample, [x, y]) in samples[k].iter_mut().zip(FINE_PLACES) {
+            for (sample, (x, y)) in samples[k].iter_mut().zip(places[0].iter().zip(&places[1])) {
                 *sample = dx * y - dy * x;
             }
         }
@@ -225,8 +233,8 @@ impl FineSetup {
         let x = (left - i64::from(a.x)) as f64 / f64::from(STEPS_A_PIXEL);
         let y = (top - i64::from(a.y)) as f64 / f64::from(STEPS_A_PIXEL);
         let mut rise = [0.0; FINE_SAMPLES];
-        for (rise, [x, y]) in rise.iter_mut().zip(FINE_PLACES) {
-            *rise = ((slope[0] * f64::from(x) + slope[1] * f64::from(y)) / 32.0) as f32;
+        for (rise, (x, y)) in rise.iter_mut().zip(places[0].iter().zip(&places[1])) {
+            *rise = ((slope[0] * f64::from(*x) + slope[1] * f64::from(*y)) / 32.0) as f32;
         }
         let depths = [corners[0].depth, corners[1].depth, corners[2].depth];
         Some(Self {

@@ -94,21 +94,20 @@ impl Finisher {
     }
 
     /// Returns the linear light of a surface of this colour at a place in a tile, in pixels; the first pixel of the
-    /// tile is at `corner`. `normal` gives the normal at a place, of any length; `back` is 1 where the inside is seen,
-    /// else 0.
+    /// tile is at `corner`. `normal` gives the normal at a place, of any length, and 1 if the inside is seen, else 0.
     pub(super) fn color(
         &self,
         color: Vec3f,
-        normal: impl Fn([f32; 2]) -> Vec3f,
+        normal: impl Fn([f32; 2]) -> [f32; 4],
         place: [f32; 2],
         corner: [f32; 2],
-        back: f32,
     ) -> Vec3f {
-        let towards = 1.0 - 2.0 * back;
+        let towards = 1.0 - 2.0 * normal(place)[3];
         let at = |place: [f32; 2]| {
             let [x, y] = [corner[0] + place[0] - self.centre_px[0], corner[1] + place[1] - self.centre_px[1]];
             let ray = std::array::from_fn(|k| self.frame[2][k] + self.across[k] * x + self.along[k] * y);
-            (normalized(normal(place)).map(|c| towards * c), normalized(ray))
+            let [x, y, z, _] = normal(place);
+            (normalized([x, y, z]).map(|c| towards * c), normalized(ray))
         };
         let (n, ray) = at(place);
         match self.finish {

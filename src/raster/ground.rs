@@ -255,19 +255,24 @@ fn lay(corners: &[[f32; 3]; 3], heights: &mut [f32], cells: usize) {
 /// Returns the map after three box filters of `2 reach + 1` cells, which approximate a Gaussian.
 fn smoothed(mut map: Vec<f32>, cells: usize, reach: usize) -> Vec<f32> {
     let share = 1.0 / (2 * reach + 1) as f32;
-    let mut turned = vec![0.0; map.len()];
-    let mut sums = vec![0.0; cells];
-    for _ in 0..6 {
-        for (y, row) in map.chunks(cells).enumerate() {
-            // each sum from left to right, all of them side by side
+    let reach = reach.min(cells);
+    let mut sums = vec![0.0; map.len()];
+    let add = |sums: &mut [f32], row: &[f32]| sums.iter_mut().zip(row).for_each(|(sum, cell)| *sum += cell);
+    let scale = |sums: &mut [f32]| sums.iter_mut().for_each(|sum| *sum *= share);
+    for _ in 0..3 {
+        // each sum from left to right, then from top to bottom, those of a row side by side
+        for (row, sums) in map.chunks(cells).zip(sums.chunks_mut(cells)) {
             sums.fill(0.0);
-            let add = |sums: &mut [f32], row: &[f32]| sums.iter_mut().zip(row).for_each(|(sum, cell)| *sum += cell);
-            (1..=reach.min(cells)).rev().for_each(|left| add(&mut sums[left..], row));
-            (0..=reach.min(cells)).for_each(|right| add(&mut sums, &row[right..]));
-            // transposed, so that rows are columns the next time
-            sums.iter().enumerate().for_each(|(x, sum)| turned[x * cells + y] = sum * share);
+            (1..=reach).rev().for_each(|left| add(&mut sums[left..], row));
+            (0..=reach).for_each(|right| add(sums, &row[right..]));
+            scale(sums);
         }
-        std::mem::swap(&mut map, &mut turned);
+        for (y, row) in map.chunks_mut(cells).enumerate() {
+            row.fill(0.0);
+            let (first, last) = (y.saturating_sub(reach), (y + reach).min(cells - 1));
+            sums[first * cells..(last + 1) * cells].chunks(cells).for_each(|sums| add(row, sums));
+            scale(row);
+        }
     }
     map
 }

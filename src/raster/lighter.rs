@@ -10,7 +10,8 @@ use super::bins::TILE;
 use super::facets::Facets;
 use super::fine::{FINE_PLACES, FINE_SAMPLES, Fine, PixelSet};
 use super::paint::Tint;
-use super::shade::{Lamps, Spots};
+use super::shade::Lamps;
+use super::spots::Spots;
 use super::triangle::{NOBODY, SAMPLE_PLACES, SAMPLES};
 
 /// Accumulates the light of the pixels of a tile.
@@ -100,27 +101,27 @@ impl Lighter {
     }
 
     /// Lights the part of a pixel in which a triangle is seen; the part is given by its centroid and its share.
-    #[inline]
+    #[expect(
+        clippy::inline_always,
+        reason = "it is called for every part of a pixel, and keeps its numbers in registers"
+    )]
+    #[inline(always)]
     fn add(&mut self, tile: &LitTile<'_>, ([x, y], owner): ([u32; 2], u32), [right, down, share]: [f32; 3]) {
-        let LitTile { model, origin, .. } = *tile;
-        let (facet, tint) = self.facets.of(model, owner, origin);
+        let (facet, tint) = self.facets.of(tile.model, owner, tile.origin);
         let place = [x as f32 + right, y as f32 + down];
         let share =
             if tile.is_plain { share } else { share * dress(&mut self.spots, tile, owner, (facet, tint), place) };
-        let global = [origin[0] as f32 + place[0], origin[1] as f32 + place[1]];
-        self.spots.push((TILE_WIDTH * y + x, share), facet.normal(place), global, facet.back);
-        if self.spots.full() {
+        self.spots.push((TILE_WIDTH * y + x, share), facet.normal(place), place);
+        if self.spots.are_full() {
             self.finish(tile);
         }
     }
 
     /// Adds the light of the waiting spots; if the surface has a finish, their colours unchanged.
+    #[inline(never)]
     fn finish(&mut self, tile: &LitTile<'_>) {
-        if tile.model.finisher.is_some() {
-            self.spots.show(&mut self.light, &mut self.marks);
-        } else {
-            tile.lamps.illuminate(&mut self.spots, &mut self.light, &mut self.marks);
-        }
+        let lamps = Some(tile.lamps).filter(|_| tile.model.finisher.is_none());
+        self.spots.shine(lamps, tile.origin.map(|o| o as f32), &mut self.light, &mut self.marks);
     }
 }
 
@@ -138,8 +139,7 @@ fn dress(
     let painted = paint.map(|(paint, tint)| paint.color(tint, place));
     let finished = model.finisher.as_ref().map(|finisher| {
         let normal = |place| facet.normal(place);
-        let corner = origin.map(|o| o as f32);
-        finisher.color(painted.unwrap_or(lamps.outside), normal, place, corner, facet.back)
+        finisher.color(painted.unwrap_or(lamps.outside), normal, place, origin.map(|o| o as f32))
     });
     if let Some(color) = finished.or(painted) {
         spots.color(color);

@@ -33,6 +33,7 @@ mod project;
 mod samples;
 mod shade;
 mod sight;
+mod spots;
 #[cfg(test)]
 mod tests;
 mod texels;

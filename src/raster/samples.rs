@@ -6,7 +6,7 @@ use multiversion::multiversion;
 
 use super::bins::TILE;
 use super::project::Vertex;
-use super::triangle::{NOBODY, SAMPLES, TILE_SIDE, TriangleSetup, in_tile, pixel_box};
+use super::triangle::{NOBODY, PAIR_PLACES, PairPlaces, SAMPLES, TILE_SIDE, TriangleSetup, in_tile, pixel_box};
 
 /// Depth and owner of every sample of a tile.
 #[derive(Debug)]
@@ -15,6 +15,7 @@ pub(super) struct Samples {
     pub(super) depth: Vec<[f32; SAMPLES]>,
     /// The triangle seen at each sample.
     pub(super) owner: Vec<[u32; SAMPLES]>,
+    places: PairPlaces,
     /// No sample is farther than this.
     farthest: f32,
     /// Pixels visited since `farthest` was found.
@@ -37,7 +38,7 @@ impl Samples {
     pub(super) fn new() -> Self {
         let n = TILE * TILE;
         let (depth, owner) = (vec![[0.0; SAMPLES]; n], vec![[NOBODY; SAMPLES]; n]);
-        Self { depth, owner, farthest: 0.0, visited: 0, done: Done::default() }
+        Self { depth, owner, places: PAIR_PLACES, farthest: 0.0, visited: 0, done: Done::default() }
     }
 
     /// Returns the work done since this was last called.
@@ -109,6 +110,12 @@ impl Samples {
         self.farthest
     }
 
+    /// Returns the largest depth in each pixel, 0 if no sample is covered.
+    pub(super) fn nearest(&self) -> Vec<f32> {
+        let larger = |a: f32, b: f32| if a > b { a } else { b };
+        self.depth.iter().map(|d| larger(larger(d[0], d[1]), larger(d[2], d[3]))).collect()
+    }
+
     /// Returns whether every sample of some pixels (left, top, right, bottom, bounds included) is nearer than
     /// `nearest`.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
@@ -125,6 +132,6 @@ impl Samples {
 #[multiversion(targets("x86_64+avx2"))]
 fn draw_everywhere(samples: &mut Samples, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
     if let Some(setup) = samples.prepared(corners, origin) {
-        samples.done.pixels += setup.fill(id, &mut samples.depth, &mut samples.owner);
+        samples.done.pixels += setup.fill(id, &mut samples.depth, &mut samples.owner, &samples.places);
     }
 }

@@ -5,10 +5,7 @@
 
 #![expect(clippy::cast_possible_truncation, reason = "colours and directions need no more than the precision of f32")]
 
-use multiversion::multiversion;
-
 use super::camera::{Camera, Projection, unit};
-use super::fine::PixelSet;
 use super::pixmap::linear;
 use crate::math::vector::{Vector, plus, times};
 
@@ -89,20 +86,13 @@ impl Lamps {
         }
     }
 
-    /// Adds the light of the waiting spots to `light`, linear and premultiplied, and marks pixels with spots of
-    /// different light.
-    pub(super) fn illuminate(&self, spots: &mut Spots, light: &mut [[f32; 4]], marks: &mut PixelSet) {
-        let colors = lit(self, spots);
-        spots.add(colors, light, marks);
-    }
-
     /// Returns the linear light that reaches the viewer from the point `place` of the picture. The normal need not have
     /// length one; it points to the outside of the surface, whose colour is `outside` in linear light; `back` is 1
     /// where the inside is seen and otherwise 0, `spread` is the width of its highlights, and `metal` says from 0 to 1
     /// whether it mirrors its surroundings in its colour, which counts where there is `METAL` at all.
-    #[expect(clippy::inline_always, reason = "only code inside of `lit` uses its wider vectors")]
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
     #[inline(always)]
-    fn light<const METAL: bool>(
+    pub(super) fn light<const METAL: bool>(
         &self,
         normal: Vec3f,
         outside: Vec3f,
@@ -152,37 +142,6 @@ impl Lamps {
     }
 }
 
-/// Returns red, green and blue of all spots. The loop over lanes has no branches, so that it becomes vector code; wider
-/// vectors give the same bits.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-fn lit(lamps: &Lamps, spots: &Spots) -> [[f32; SPOT_LANES]; 3] {
-    let is_metal = spots.metal.iter().any(|metal| *metal > 0.0);
-    if is_metal { lanes::<true>(lamps, spots) } else { lanes::<false>(lamps, spots) }
-}
-
-#[expect(clippy::inline_always, reason = "only code inside of `lit` uses its wider vectors")]
-#[inline(always)]
-fn lanes<const METAL: bool>(lamps: &Lamps, spots: &Spots) -> [[f32; SPOT_LANES]; 3] {
-    let [mut red, mut green, mut blue] = [[0.0; SPOT_LANES]; 3];
-    for i in 0..SPOT_LANES {
-        let normal = [spots.normal[0][i], spots.normal[1][i], spots.normal[2][i]];
-        let color = [spots.color[0][i], spots.color[1][i], spots.color[2][i]];
-        let place = [spots.place[0][i], spots.place[1][i]];
-        let finish = [spots.back[i], spots.metal[i], spots.spread[i]];
-        [red[i], green[i], blue[i]] = lamps.light::<METAL>(normal, color, place, finish);
-    }
-    [red, green, blue]
-}
-
-/// Light of which the parts of a pixel may differ before an edge is seen between them: so much, and this share of it.
-/// Half of it looks closely at pixels of smooth surfaces in vain, twice of it leaves steps at faint creases.
-const EDGE_LIGHT: [f32; 2] = [0.012, 0.06];
-
-/// Returns whether a light differs so much from the mean of the lights in a sum that an edge between them is seen.
-fn differ(sum: &[f32; 4], light: Vec3f) -> bool {
-    (0..3).any(|k| (sum[k] - light[k] * sum[3]).abs() > EDGE_LIGHT[0] * sum[3] + EDGE_LIGHT[1] * sum[k])
-}
-
 /// Returns `x`, or 0 when it is negative or not a number.
 #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
 #[inline(always)]
@@ -200,7 +159,7 @@ fn polished(x: f32, spread: f32) -> f32 {
 
 /// The width of the highlights of what says nothing of its roughness, as [`spread`] has it: that of a roughness of
 /// 0.47. Half of it makes highlights smaller by a third and shows a rim, twice of it veils the whole model.
-const USUAL_SPREAD: f32 = 0.05;
+pub(super) const USUAL_SPREAD: f32 = 0.05;
 
 /// The least width of highlights, that of a roughness of 0.18: half of it is seen in a pixel here and there where a
 /// surface is curved, twice of it makes what is polished look like plastic.
@@ -220,81 +179,4 @@ fn shoulder(light: f32) -> f32 {
     const LIGHT_KNEE: f32 = 0.75;
     let over = positive(light - LIGHT_KNEE);
     light - over + over / (1.0 + over / (1.0 - LIGHT_KNEE))
-}
-
-/// Spots lit at once.
-/// Eight 32-bit numbers fill a vector register of 256 bits. Half of it leaves half of that empty; twice of it needs two
-/// registers for each number. Colours are the same.
-const SPOT_LANES: usize = 8;
-
-/// Places of a tile that wait for light.
-#[derive(Debug)]
-pub(super) struct Spots {
-    normal: [[f32; SPOT_LANES]; 3],
-    color: [[f32; SPOT_LANES]; 3],
-    place: [[f32; SPOT_LANES]; 2],
-    back: [f32; SPOT_LANES],
-    metal: [f32; SPOT_LANES],
-    spread: [f32; SPOT_LANES],
-    share: [f32; SPOT_LANES],
-    pixel: [u32; SPOT_LANES],
-    waiting: usize,
-}
-
-impl Spots {
-    /// Creates an empty list of spots; spots have this colour unless another is set.
-    pub(super) fn new(color: Vec3f) -> Self {
-        let none = [0.0; SPOT_LANES];
-        let color = color.map(|c| [c; SPOT_LANES]);
-        let (normal, place) = ([none; 3], [none; 2]);
-        let spread = [USUAL_SPREAD; SPOT_LANES];
-        Self { normal, color, place, back: none, metal: none, spread, share: none, pixel: [0; SPOT_LANES], waiting: 0 }
-    }
-
-    /// Adds the colours of the waiting spots as they are to `light`, and marks pixels with spots of different colours.
-    pub(super) fn show(&mut self, light: &mut [[f32; 4]], marks: &mut PixelSet) {
-        self.add(self.color, light, marks);
-    }
-
-    /// Adds red, green and blue of the waiting spots to `light`.
-    fn add(&mut self, [red, green, blue]: [[f32; SPOT_LANES]; 3], light: &mut [[f32; 4]], marks: &mut PixelSet) {
-        for i in 0..self.waiting {
-            let share = self.share[i];
-            let sum = &mut light[self.pixel[i] as usize];
-            if sum[3] > 0.0 && differ(sum, [red[i], green[i], blue[i]]) {
-                marks.add(self.pixel[i]);
-            }
-            *sum = [sum[0] + share * red[i], sum[1] + share * green[i], sum[2] + share * blue[i], sum[3] + share];
-        }
-        self.waiting = 0;
-    }
-
-    /// Sets the colour of the next spot.
-    pub(super) fn color(&mut self, color: Vec3f) {
-        let i = self.waiting % SPOT_LANES;
-        (0..3).for_each(|k| self.color[k][i] = color[k]);
-    }
-
-    /// Sets whether the next spot is of metal, from 0 to 1, and how wide its highlights are.
-    pub(super) fn finish(&mut self, [metal, spread]: [f32; 2]) {
-        let i = self.waiting % SPOT_LANES;
-        (self.metal[i], self.spread[i]) = (metal, spread);
-    }
-
-    /// Adds a spot of this normal at pixel coordinates `place` that gives `share` of the light of `pixel`, counted
-    /// within the tile; `back` is 1 where the inside is seen and else 0. There must be room.
-    pub(super) fn push(&mut self, (pixel, share): (u32, f32), normal: Vec3f, place: [f32; 2], back: f32) {
-        let i = self.waiting % SPOT_LANES;
-        (0..3).for_each(|k| self.normal[k][i] = normal[k]);
-        (0..2).for_each(|k| self.place[k][i] = place[k]);
-        self.back[i] = back;
-        self.share[i] = share;
-        self.pixel[i] = pixel;
-        self.waiting = i + 1;
-    }
-
-    /// Returns whether there is no room for another spot.
-    pub(super) fn full(&self) -> bool {
-        self.waiting == SPOT_LANES
-    }
 }

@@ -32,9 +32,10 @@ struct EncodedRow {
     /// Red, green and blue in steps of the table.
     steps: [[u16; TILE]; 3],
     alpha: [u8; TILE],
-    /// Whether something is drawn, and whether any of it remains after rounding.
-    is_drawn: [bool; TILE],
-    is_seen: [bool; TILE],
+    /// All bits of a pixel where something is drawn that remains after rounding.
+    kept: [u32; TILE],
+    /// The background where nothing is drawn, else 0.
+    empty: [u32; TILE],
 }
 
 impl TileWriter {
@@ -47,13 +48,15 @@ impl TileWriter {
         part: &mut [u8],
     ) {
         let pixels = part.as_chunks_mut::<4>().0;
-        if tile.is_none() && shadow.is_none() {
-            pixels.fill(self.background);
-            return;
-        }
         let first = y % TILE * TILE;
         let row = |list: &[[u16; 4]]| list.get(first..).and_then(<[_]>::first_chunk).map(unpacked);
         let surface = tile.and_then(|tile| row(&tile.surface));
+        let is_open = surface.is_none_or(|surface| surface[3].iter().any(|share| *share < 1.0));
+        let dark = shadow.filter(|_| is_open).and_then(|shadow| shadow.dark(left));
+        if tile.is_none() && dark.is_none() {
+            pixels.fill(self.background);
+            return;
+        }
         let mut light = surface.unwrap_or([[0.0; TILE]; 4]);
         if let (Some(_), Some(occlusion), Some(tile)) = (surface, &self.occlusion, tile)
             && let Some(depths) = tile.depth.get(first..).and_then(<[_]>::first_chunk)
@@ -61,18 +64,13 @@ impl TileWriter {
             darken(&mut light, &occlusion.open([left, y], depths));
         }
         let lines = tile.and_then(|tile| row(&tile.over)).unwrap_or([[0.0; TILE]; 4]);
-        let is_open = light[3].iter().any(|share| *share < 1.0);
-        let dark = shadow.filter(|_| is_open).map_or([0.0; TILE], |shadow| shadow.dark(left));
-        let encoded = encoded(&light, &lines, &dark, self.paper);
+        let background = u32::from_le_bytes(self.background);
+        let encoded = encoded(&light, &lines, &dark.unwrap_or([0.0; TILE]), (self.paper, background));
+        let table = &*ENCODING;
         for (x, pixel) in pixels.iter_mut().enumerate().take(TILE) {
-            *pixel = if !encoded.is_drawn[x] {
-                self.background
-            } else if encoded.is_seen[x] {
-                let [red, green, blue] = [0, 1, 2].map(|k| ENCODING.of_step(encoded.steps[k][x]));
-                [red, green, blue, encoded.alpha[x]]
-            } else {
-                [0; 4]
-            };
+            let [red, green, blue] = [0, 1, 2].map(|k| table.of_step(encoded.steps[k][x]));
+            let drawn = u32::from_le_bytes([red, green, blue, encoded.alpha[x]]);
+            *pixel = (drawn & encoded.kept[x] | encoded.empty[x]).to_le_bytes();
         }
     }
 }
@@ -98,7 +96,12 @@ fn darken(light: &mut RowLight, open: &[f32; TILE]) {
 
 /// Lays a surface over the shadow on the background, and lines over all.
 #[multiversion(targets("x86_64+avx2"))]
-fn encoded(surface: &RowLight, lines: &RowLight, dark: &[f32; TILE], paper: [f32; 4]) -> EncodedRow {
+fn encoded(
+    surface: &RowLight,
+    lines: &RowLight,
+    dark: &[f32; TILE],
+    (paper, background): ([f32; 4], u32),
+) -> EncodedRow {
     let mut light = [[0.0; TILE]; 4];
     for k in 0..4 {
         for x in 0..TILE {
@@ -108,16 +111,16 @@ fn encoded(surface: &RowLight, lines: &RowLight, dark: &[f32; TILE], paper: [f32
             light[k][x] = lines[k][x] + (1.0 - lines[3][x]) * (surface[k][x] + rest * ground);
         }
     }
-    let mut row =
-        EncodedRow { steps: [[0; TILE]; 3], alpha: [0; TILE], is_drawn: [false; TILE], is_seen: [false; TILE] };
+    let mut row = EncodedRow { steps: [[0; TILE]; 3], alpha: [0; TILE], kept: [0; TILE], empty: [0; TILE] };
     for x in 0..TILE {
         let alpha = if light[3][x] >= OPAQUE { 1.0 } else { light[3][x] };
         for (steps, light) in row.steps.iter_mut().zip(&light) {
             steps[x] = light_step(light[x] / alpha);
         }
         row.alpha[x] = rounded_down(alpha * 255.0 + 0.5) as u8;
-        row.is_drawn[x] = surface[3][x].max(lines[3][x]).max(dark[x]) > 0.0;
-        row.is_seen[x] = alpha > 0.0;
+        let is_drawn = (surface[3][x] > 0.0) | (lines[3][x] > 0.0) | (dark[x] > 0.0);
+        row.kept[x] = u32::from(is_drawn & (alpha > 0.0)).wrapping_neg();
+        row.empty[x] = if is_drawn { 0 } else { background };
     }
     row
 }

@@ -1,5 +1,7 @@
 //! Draws one tile: its samples, their light, refined edges, and the lines on top.
 
+use multiversion::multiversion;
+
 use super::binned_model::BinnedModel;
 use super::bins::TILE;
 use super::fine::Fine;
@@ -98,7 +100,7 @@ impl TileScratch {
             }
             self.glaze(model, lamps, (tile, origin), watch)?;
             drawn.surface = packed(&self.lighter.light);
-            drawn.depth = self.samples.depth.iter().map(|d| d[0].max(d[1]).max(d[2]).max(d[3])).collect();
+            drawn.depth = self.samples.nearest();
         }
         if lined {
             self.over.fill([0.0; 4]);
@@ -214,14 +216,24 @@ fn alphas<'a>(model: &'a BinnedModel<'_>, id: u32, origin: [i32; 2]) -> impl Fn(
     move |place| paint.as_ref().map_or(1.0, |(paint, tint)| paint.alpha(model.whole(id), tint, place))
 }
 
-/// Converts light to 16-bit integers.
+/// Converts light to 16-bit integers. Wider vectors give the same bits.
+#[multiversion(targets("x86_64+avx2"))]
+fn pack(light: &[[f32; 4]], packed: &mut [[u16; 4]]) {
+    for (packed, light) in packed.iter_mut().zip(light) {
+        for k in 0..4 {
+            let x = if light[k] > 0.0 { light[k] } else { 0.0 };
+            let x = if x < 1.0 { x } else { 1.0 };
+            // the first 16 digits after the point of a number from 1 to 2, which are those of its bits: no cast, so
+            // vector code
+            let two = 1.0 + (x * (65535.0 / 65536.0) + 0.5 / 65536.0);
+            packed[k] = (two.to_bits() >> 7 & 0xffff) as u16;
+        }
+    }
+}
+
+/// Returns light as 16-bit integers.
 fn packed(light: &[[f32; 4]]) -> Vec<[u16; 4]> {
-    // the first 16 digits after the point of a number from 1 to 2, which are those of its bits: no cast, so vector code
-    let number = |x: f32| {
-        let x = if x > 0.0 { x } else { 0.0 };
-        let x = if x < 1.0 { x } else { 1.0 };
-        let two = 1.0 + (x * (65535.0 / 65536.0) + 0.5 / 65536.0);
-        (two.to_bits() >> 7 & 0xffff) as u16
-    };
-    light.iter().map(|light| light.map(number)).collect()
+    let mut packed = vec![[0; 4]; light.len()];
+    pack(light, &mut packed);
+    packed
 }

@@ -56,8 +56,12 @@ pub(super) struct TriangleSetup {
 /// Half of it leaves half of that empty; twice of it looks at more pixels beside small triangles in vain.
 const PAIR_SAMPLES: usize = 2 * SAMPLES;
 
-/// Places of the samples of two pixels in eighths of a pixel, right and down.
-const PAIR_PLACES: [[i32; PAIR_SAMPLES]; 2] = {
+/// Right and down for each sample of two pixels.
+pub(super) type PairPlaces = [[i32; PAIR_SAMPLES]; 2];
+
+/// Places of the samples of two pixels in eighths of a pixel, right and down. Those who draw keep a copy in memory, as
+/// numbers that the compiler knows are multiplied one by one, by shifts and sums, and not in vectors.
+pub(super) const PAIR_PLACES: PairPlaces = {
     let mut places = [[0; PAIR_SAMPLES]; 2];
     let mut lane = 0;
     while lane < PAIR_SAMPLES {
@@ -205,13 +209,13 @@ impl TriangleSetup {
     /// Returns the edge functions, the depths and the columns at the samples of the first two pixels.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    fn first_pair(&self) -> ([[i32; PAIR_SAMPLES]; 3], [f32; PAIR_SAMPLES], [f32; PAIR_SAMPLES]) {
+    fn first_pair(&self, places: &PairPlaces) -> ([[i32; PAIR_SAMPLES]; 3], [f32; PAIR_SAMPLES], [f32; PAIR_SAMPLES]) {
         let mut edges = [[0_i32; PAIR_SAMPLES]; 3];
         for (k, edges) in edges.iter_mut().enumerate() {
             let (edge, right, down) = (self.edges[k], self.right[k], self.down[k]);
             for (lane, at) in edges.iter_mut().enumerate() {
-                let across = right.wrapping_mul(PAIR_PLACES[0][lane]);
-                *at = edge.wrapping_add(across).wrapping_add(down.wrapping_mul(PAIR_PLACES[1][lane]));
+                let across = right.wrapping_mul(places[0][lane]);
+                *at = edge.wrapping_add(across).wrapping_add(down.wrapping_mul(places[1][lane]));
             }
         }
         let (mut base, mut columns) = ([0.0; PAIR_SAMPLES], [0.0; PAIR_SAMPLES]);
@@ -223,13 +227,19 @@ impl TriangleSetup {
     }
 
     /// Gives triangle number `id` the samples of the tile that it covers and where it is the nearest. Returns the
-    /// pixels looked at, and [`ROW_PX`] for each row that was cut.
+    /// pixels looked at, and [`ROW_PX`] for each row that was cut. The places are [`PAIR_PLACES`].
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    pub(super) fn fill(&self, id: u32, depth: &mut [[f32; SAMPLES]], owner: &mut [[u32; SAMPLES]]) -> u64 {
+    pub(super) fn fill(
+        &self,
+        id: u32,
+        depth: &mut [[f32; SAMPLES]],
+        owner: &mut [[u32; SAMPLES]],
+        places: &PairPlaces,
+    ) -> u64 {
         let [left, top, right, bottom] = self.pixels;
         let n = (right - left + 1) as usize;
-        let (mut start, base, first_columns) = self.first_pair();
+        let (mut start, base, first_columns) = self.first_pair(places);
         let mut pixels = 0;
         for (row, y) in (0_i32..).zip(top..=bottom) {
             let span = if n < CUT_PX { 0..n } else { self.span(row, n) };
@@ -316,8 +326,8 @@ impl TriangleSetup {
 
     /// Returns the columns of a row of `n` pixels in which a sample may lie inside. An edge function that is negative
     /// at all samples of a pixel leaves it out, and all are linear along the row.
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
-    #[inline(always)]
+    // inlined, what it needs of the edges would be computed for every triangle, of which few are wide
+    #[inline(never)]
     fn span(&self, row: i32, n: usize) -> Range<usize> {
         let (mut first, mut end) = (0_i64, n as i64);
         for k in 0..3 {
