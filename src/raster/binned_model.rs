@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::bins::{BinnedItem, Bins, TileGrid, TileRect};
+use super::admission::{Admission, Admissions};
+use super::bins::{BinnedItem, Bins, TileGrid};
 use super::camera::{Camera, Projection, unit};
 use super::clip;
 use super::finish::Finisher;
@@ -11,7 +12,8 @@ use super::model::{Model, ShadingNormals, TriangleAppearance};
 use super::paint::{Paint, Tint};
 use super::project::{BEHIND, FAR_OUT, STEPS_A_PIXEL, Vertex, vertex, vertices};
 use super::shade::Lamps;
-use super::triangle::{area, touched};
+use super::triangle::area;
+use super::triangle_block::{BLOCK_TRIANGLES, TriangleBlock};
 use crate::math::planar;
 use crate::math::vector::{cross, minus};
 use crate::watch::{Stopped, Watch};
@@ -72,6 +74,16 @@ struct TriangleRun {
     pieces: Vec<ClippedPiece>,
 }
 
+impl TriangleRun {
+    /// Lists a triangle, if it is seen, in the tiles that it touches.
+    #[inline]
+    fn admit(&mut self, id: u32, admission: Admission) {
+        if let Admission::Seen { is_back, rect, nearest } = admission {
+            self.found[usize::from(is_back)].push((id, rect, nearest));
+        }
+    }
+}
+
 impl<'a> BinnedModel<'a> {
     pub(super) fn new(
         model: &'a Model<'a>,
@@ -111,8 +123,18 @@ impl<'a> BinnedModel<'a> {
             .map(|(i, list)| {
                 watch.check()?;
                 let mut run_of = TriangleRun { found: Default::default(), pieces: Vec::new() };
-                for (id, &triangle) in (i * run..).zip(list) {
-                    self.admit(u32::try_from(id).expect("fewer than 2^32 triangles"), triangle, &mut run_of);
+                let mut block = TriangleBlock::default();
+                for (first, list) in (i * run..).step_by(BLOCK_TRIANGLES).zip(list.chunks(BLOCK_TRIANGLES)) {
+                    let first = u32::try_from(first).expect("fewer than 2^32 triangles");
+                    block.n = 0;
+                    (first..).zip(list).for_each(|(id, triangle)| block.push(self.placed(triangle), id));
+                    let admissions = Admissions::of(self.grid, &block);
+                    for (k, (id, &triangle)) in (first..).zip(list).enumerate() {
+                        match admissions.at(k) {
+                            Admission::Cut => self.admit_pieces(id, triangle, &mut run_of),
+                            admission => run_of.admit(id, admission),
+                        }
+                    }
                 }
                 Ok((run_of.found.map(|found| Bins::sort(self.grid, &found)), run_of.pieces))
             })
@@ -127,28 +149,6 @@ impl<'a> BinnedModel<'a> {
         Ok(())
     }
 
-    fn admit(&self, id: u32, triangle: [u32; 3], run: &mut TriangleRun) {
-        let corners = self.placed(triangle);
-        let [a, b, c] = [corners[0].sides, corners[1].sides, corners[2].sides];
-        if a & b & c & !FAR_OUT != 0 {
-            return;
-        }
-        if (a | b | c) & (BEHIND | FAR_OUT) != 0 {
-            self.admit_pieces(id, triangle, run);
-        } else {
-            self.admit_corners(id, &corners, run);
-        }
-    }
-
-    /// Lists a triangle in the tiles that it touches; returns whether there are any.
-    fn admit_corners(&self, id: u32, corners: &[Vertex; 3], run: &mut TriangleRun) -> bool {
-        let area = area(corners);
-        let rect = TileRect::of(self.grid, touched(corners)).filter(|_| area != 0);
-        let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
-        run.found[usize::from(area > 0)].extend(rect.map(|rect| (id, rect, nearest)));
-        rect.is_some()
-    }
-
     fn admit_pieces(&self, id: u32, triangle: [u32; 3], run: &mut TriangleRun) {
         let seen = triangle.map(|v| self.camera.view(self.model.positions[v as usize]));
         let polygon = clip::polygon(self.camera, seen);
@@ -160,7 +160,12 @@ impl<'a> BinnedModel<'a> {
             let piece = [0, k - 1, k];
             let corners = piece.map(|i| corners[i]);
             let local = self.model.triangles.len() + run.pieces.len();
-            if self.admit_corners(u32::try_from(local).expect("fewer than 2^32 pieces"), &corners, run) {
+            let local = u32::try_from(local).expect("fewer than 2^32 pieces");
+            let mut block = TriangleBlock::default();
+            block.push([&corners[0], &corners[1], &corners[2]], local);
+            let admission = Admissions::of(self.grid, &block).at(0);
+            if let Admission::Seen { .. } = admission {
+                run.admit(local, admission);
                 run.pieces.push(ClippedPiece { corners, shares: piece.map(|i| polygon[i].shares), whole: id });
             }
         }
@@ -178,8 +183,8 @@ impl<'a> BinnedModel<'a> {
     }
 
     #[inline]
-    fn placed(&self, [a, b, c]: [u32; 3]) -> [Vertex; 3] {
-        [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
+    fn placed(&self, [a, b, c]: &[u32; 3]) -> [&Vertex; 3] {
+        [&self.vertices[*a as usize], &self.vertices[*b as usize], &self.vertices[*c as usize]]
     }
 
     fn piece(&self, id: u32) -> Option<&ClippedPiece> {
@@ -188,10 +193,10 @@ impl<'a> BinnedModel<'a> {
 
     /// Returns the corners of triangle `id` in the picture.
     #[inline]
-    pub(super) fn corners(&self, id: u32) -> [Vertex; 3] {
+    pub(super) fn corners(&self, id: u32) -> [&Vertex; 3] {
         match self.model.triangles.get(id as usize) {
-            Some(&triangle) => self.placed(triangle),
-            None => self.piece(id).map_or([Vertex::default(); 3], |piece| piece.corners),
+            Some(triangle) => self.placed(triangle),
+            None => self.pieces[id as usize - self.model.triangles.len()].corners.each_ref(),
         }
     }
 
@@ -230,7 +235,7 @@ impl<'a> BinnedModel<'a> {
     /// are scaled by the stored depth, which is inverse to the distance.
     #[expect(clippy::cast_possible_truncation, reason = "light needs no more than the precision of f32")]
     pub(super) fn facet(&self, id: u32, origin: [i32; 2]) -> (Facet, Option<Tint>) {
-        let corners = self.corners(id);
+        let corners = self.corners(id).map(|corner| *corner);
         let normals = self.normals(id);
         let perspective = self.camera.projection == Projection::Perspective;
         let [left, top] = [f64::from(origin[0]), f64::from(origin[1])];

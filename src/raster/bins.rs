@@ -4,13 +4,14 @@
 /// cache. At twice the side they do not; at half of it, four times as many tiles list each large triangle.
 pub(super) const TILE: usize = 32;
 
-/// A rectangle of tiles; the bounds are included.
-#[derive(Debug, Clone, Copy)]
+/// A rectangle of tiles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct TileRect {
-    left: u16,
-    top: u16,
-    right: u16,
-    bottom: u16,
+    /// The first tile; tiles are numbered row by row from the top.
+    pub(super) first: u32,
+    /// The numbers of columns and rows beside its own.
+    pub(super) across: u16,
+    pub(super) down: u16,
 }
 
 impl TileRect {
@@ -23,33 +24,31 @@ impl TileRect {
         let tile = |pixel: i32| u16::try_from(pixel.max(0) / TILE_PX).unwrap_or(u16::MAX);
         let [left, top, right, bottom] = [tile(left), tile(top), tile(right), tile(bottom)];
         (left < grid.columns && top < grid.rows).then(|| Self {
-            left,
-            top,
-            right: right.min(grid.columns - 1),
-            bottom: bottom.min(grid.rows - 1),
+            first: u32::from(top) * u32::from(grid.columns) + u32::from(left),
+            across: right.min(grid.columns - 1) - left,
+            down: bottom.min(grid.rows - 1) - top,
         })
     }
 
     /// Calls a function with the number of each tile, in a grid of so many columns.
     #[inline]
     fn each(self, columns: usize, mut at: impl FnMut(usize)) {
-        let first = usize::from(self.top) * columns + usize::from(self.left);
-        if self.tiles() == 1 {
+        let first = self.first as usize;
+        if self.across | self.down == 0 {
             return at(first);
         }
-        let width = usize::from(self.right - self.left);
-        for row in 0..=usize::from(self.bottom - self.top) {
-            (0..=width).for_each(|column| at(first + row * columns + column));
+        for row in 0..=usize::from(self.down) {
+            (0..=usize::from(self.across)).for_each(|column| at(first + row * columns + column));
         }
     }
 
     fn tiles(self) -> usize {
-        usize::from(self.right - self.left + 1) * usize::from(self.bottom - self.top + 1)
+        (usize::from(self.across) + 1) * (usize::from(self.down) + 1)
     }
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "a tile is some dozen pixels wide")]
-const TILE_PX: i32 = TILE as i32;
+pub(super) const TILE_PX: i32 = TILE as i32;
 
 /// The numbers of columns and rows of tiles of a picture.
 #[derive(Debug, Clone, Copy)]

@@ -8,6 +8,7 @@
 //! sixteen samples. At last hollows are darkened, a shadow is laid on the ground, and lines are laid over all. Threads
 //! divide tiles, never a sum: the bytes are the same for any number of threads.
 
+mod admission;
 mod binned_model;
 mod bins;
 mod camera;
@@ -41,6 +42,7 @@ mod tile_rows;
 mod tile_scratch;
 mod tiles;
 mod triangle;
+mod triangle_block;
 mod veil;
 
 pub use camera::{Camera, Projection, View};

@@ -6,7 +6,8 @@ use multiversion::multiversion;
 
 use super::bins::TILE;
 use super::project::Vertex;
-use super::triangle::{NOBODY, PAIR_PLACES, PairPlaces, SAMPLES, TILE_SIDE, TriangleSetup, in_tile, pixel_box};
+use super::triangle::{NOBODY, PAIR_PLACES, PairPlaces, SAMPLES, TILE_SIDE, TriangleSetup};
+use super::triangle_block::{BLOCK_TRIANGLES, BlockSetup, TriangleBlock};
 
 /// Depth and owner of every sample of a tile.
 #[derive(Debug)]
@@ -15,6 +16,8 @@ pub(super) struct Samples {
     pub(super) depth: Vec<[f32; SAMPLES]>,
     /// The triangle seen at each sample.
     pub(super) owner: Vec<[u32; SAMPLES]>,
+    /// The triangles that wait.
+    waiting: TriangleBlock,
     places: PairPlaces,
     /// No sample is farther than this.
     farthest: f32,
@@ -38,7 +41,15 @@ impl Samples {
     pub(super) fn new() -> Self {
         let n = TILE * TILE;
         let (depth, owner) = (vec![[0.0; SAMPLES]; n], vec![[NOBODY; SAMPLES]; n]);
-        Self { depth, owner, places: PAIR_PLACES, farthest: 0.0, visited: 0, done: Done::default() }
+        Self {
+            depth,
+            owner,
+            waiting: TriangleBlock::default(),
+            places: PAIR_PLACES,
+            farthest: 0.0,
+            visited: 0,
+            done: Done::default(),
+        }
     }
 
     /// Returns the work done since this was last called.
@@ -59,40 +70,54 @@ impl Samples {
         (self.farthest, self.visited) = (0.0, 0);
     }
 
-    /// Draws one triangle into the tile whose first pixel is `origin`. Of triangles with equal depth at a sample that
-    /// with the lower number is seen, so that the order of drawing does not matter.
-    pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
-        draw_everywhere(self, corners, id, origin);
+    /// Draws one triangle into the tile whose first pixel is `origin`, at once or when [`Samples::settle`] is called. Of
+    /// triangles with equal depth at a sample that with the lower number is seen, so that the order of drawing does not
+    /// matter.
+    #[inline]
+    pub(super) fn draw(&mut self, corners: [&Vertex; 3], id: u32, origin: [i32; 2]) {
+        self.waiting.push(corners, id);
+        if self.waiting.is_full() {
+            self.settle(origin);
+        }
     }
 
-    /// Draws one triangle like [`Samples::draw`], at those places of the tile where it is there.
+    /// Draws the triangles that wait.
+    pub(super) fn settle(&mut self, origin: [i32; 2]) {
+        draw_everywhere(self, origin);
+        self.waiting.n = 0;
+    }
+
+    /// Draws one triangle like [`Samples::draw`], at once, at those places of the tile where it is there.
     pub(super) fn draw_where(
         &mut self,
-        corners: [Vertex; 3],
+        corners: [&Vertex; 3],
         id: u32,
         origin: [i32; 2],
         is_there: impl Fn([f32; 2]) -> bool,
     ) {
-        if let Some(setup) = self.prepared(corners, origin) {
+        self.settle(origin);
+        self.waiting.push(corners, id);
+        if let Some(setup) = self.prepared(&BlockSetup::of(&self.waiting, origin), 0, origin) {
             self.done.pixels += setup.fill_where(id, &mut self.depth, &mut self.owner, &is_there);
         }
+        self.waiting.n = 0;
     }
 
-    /// Prepares a triangle for drawing, if it may be seen in the tile.
+    /// Returns triangle `i` of those that wait, if it may be seen in the tile.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    fn prepared(&mut self, corners: [Vertex; 3], origin: [i32; 2]) -> Option<TriangleSetup> {
+    fn prepared(&mut self, setup: &BlockSetup, i: usize, origin: [i32; 2]) -> Option<TriangleSetup> {
         self.done.triangles += 1;
         if self.visited > 4 * TILE * TILE {
             self.farthest();
         }
-        let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
+        let nearest = setup.nearest[i];
         // an equal depth may still win by its number
         if nearest < self.farthest {
             return None;
         }
-        let pixels = in_tile(pixel_box(&corners), origin).filter(|pixels| !self.is_hidden(*pixels, nearest))?;
-        let setup = TriangleSetup::new(corners, pixels, origin)?;
+        let pixels = setup.pixels(i).filter(|pixels| !self.is_hidden(*pixels, nearest))?;
+        let setup = setup.at(i, &self.waiting, origin)?;
         let [left, top, right, bottom] = pixels;
         self.visited += ((right - left + 1) * (bottom - top + 1)) as usize;
         Some(setup)
@@ -128,10 +153,14 @@ impl Samples {
     }
 }
 
-/// Draws one triangle, two pixels at a time; wider vectors give the same bits.
+/// Draws the triangles that wait, two pixels at a time; wider vectors give the same bits.
 #[multiversion(targets("x86_64+avx2"))]
-fn draw_everywhere(samples: &mut Samples, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
-    if let Some(setup) = samples.prepared(corners, origin) {
-        samples.done.pixels += setup.fill(id, &mut samples.depth, &mut samples.owner, &samples.places);
+fn draw_everywhere(samples: &mut Samples, origin: [i32; 2]) {
+    let setups = BlockSetup::of(&samples.waiting, origin);
+    for i in 0..samples.waiting.n.min(BLOCK_TRIANGLES) {
+        if let Some(setup) = samples.prepared(&setups, i, origin) {
+            let id = samples.waiting.id[i];
+            samples.done.pixels += setup.fill(id, &mut samples.depth, &mut samples.owner, &samples.places);
+        }
     }
 }

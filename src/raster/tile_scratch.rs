@@ -90,6 +90,7 @@ impl TileScratch {
                     Hiding::Partly | Hiding::Never => {}
                 }
             }
+            self.samples.settle(origin);
         }
         watch.advance(forecast::rows(self.samples.done()));
         let mut drawn = Drawn { surface: Vec::new(), depth: Vec::new(), over: Vec::new() };
@@ -127,10 +128,12 @@ impl TileScratch {
                     watch.check()?;
                 }
                 match hiding(model, id, self.glass.is_some()) {
-                    Hiding::Wholly => self.fine.draw(model.corners(id), id, origin),
+                    Hiding::Wholly => self.fine.draw(model.corners(id).map(|corner| *corner), id, origin),
                     Hiding::InPlaces => {
                         let alpha = alphas(model, id, origin);
-                        self.fine.draw_where(model.corners(id), id, origin, |place| alpha(place) >= OPAQUE_ALPHA);
+                        self.fine.draw_where(model.corners(id).map(|corner| *corner), id, origin, |place| {
+                            alpha(place) >= OPAQUE_ALPHA
+                        });
                     }
                     Hiding::Partly | Hiding::Never => {}
                 }
@@ -165,6 +168,7 @@ impl TileScratch {
                     Hiding::Wholly | Hiding::Never => {}
                 }
             }
+            samples.settle(origin);
             watch.advance(forecast::rows(samples.done()));
             lighter.illuminate(&LitTile::new(model, lamps, origin, true), &samples.owner);
             for (under, over) in self.lighter.light.iter_mut().zip(&lighter.light) {

@@ -13,6 +13,7 @@ use std::ops::Range;
 
 use super::bins::TILE;
 use super::project::{STEPS_A_PIXEL, Vertex};
+use super::triangle_block::{BLOCK_TRIANGLES, BlockRow, TriangleBlock};
 
 /// Samples a pixel.
 /// Where they see an edge, the pixel is looked at more closely, see `fine`. Two would miss thin things, eight take
@@ -41,15 +42,36 @@ pub(super) const ROW_PX: u64 = 8;
 /// A triangle prepared for a tile; values are those of the first pixel of its bounding box.
 pub(super) struct TriangleSetup {
     /// The edge functions at the corner of the pixel; not negative inside.
-    edges: [i32; 3],
+    pub(super) edges: [i32; 3],
     /// Their steps for an eighth of a pixel.
-    right: [i32; 3],
-    down: [i32; 3],
+    pub(super) right: [i32; 3],
+    pub(super) down: [i32; 3],
     /// Pixels of the tile, bounds included: left, top, right, bottom.
-    pixels: [i32; 4],
-    depth: [f32; SAMPLES],
-    slope: [f32; 2],
-    range: [f32; 2],
+    pub(super) pixels: [i32; 4],
+    pub(super) depth: [f32; SAMPLES],
+    pub(super) slope: [f32; 2],
+    pub(super) range: [f32; 2],
+}
+
+/// The places of the corners of a block of triangles, turned so that areas are positive.
+pub(super) struct CornerPlaces {
+    pub(super) x: [BlockRow<i32>; 3],
+    pub(super) y: [BlockRow<i32>; 3],
+}
+
+impl CornerPlaces {
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
+    pub(super) fn of(block: &TriangleBlock, areas: &BlockRow<f64>) -> Self {
+        let (mut x, mut y) = (block.x, block.y);
+        for i in 0..BLOCK_TRIANGLES {
+            let is_turned = areas[i] < 0.0;
+            for u in [&mut x, &mut y] {
+                (u[1][i], u[2][i]) = if is_turned { (u[2][i], u[1][i]) } else { (u[1][i], u[2][i]) };
+            }
+        }
+        Self { x, y }
+    }
 }
 
 /// Samples of the two pixels that are looked at together: eight numbers of 32 bits fill a vector register of 256 bits.
@@ -98,13 +120,18 @@ pub(super) fn area(&[a, b, c]: &[Vertex; 3]) -> i64 {
     i64::from(b.x - a.x) * i64::from(c.y - a.y) - i64::from(c.x - a.x) * i64::from(b.y - a.y)
 }
 
-/// Pixels that hold a sample of the bounding box: left, top, right, bottom, bounds included.
+/// Returns the first pixel that has a sample from this place on, in steps.
 #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
 #[inline(always)]
-pub(super) fn pixel_box(&[a, b, c]: &[Vertex; 3]) -> [i32; 4] {
-    let low = |u: i32| (u - 7 * EIGHTH_STEPS + STEPS_A_PIXEL - 1).div_euclid(STEPS_A_PIXEL);
-    let high = |u: i32| (u - EIGHTH_STEPS).div_euclid(STEPS_A_PIXEL);
-    [low(a.x.min(b.x).min(c.x)), low(a.y.min(b.y).min(c.y)), high(a.x.max(b.x).max(c.x)), high(a.y.max(b.y).max(c.y))]
+pub(super) fn low_pixel(steps: i32) -> i32 {
+    (steps - 7 * EIGHTH_STEPS + STEPS_A_PIXEL - 1).div_euclid(STEPS_A_PIXEL)
+}
+
+/// Returns the last pixel that has a sample up to this place, in steps.
+#[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+#[inline(always)]
+pub(super) fn high_pixel(steps: i32) -> i32 {
+    (steps - EIGHTH_STEPS).div_euclid(STEPS_A_PIXEL)
 }
 
 /// Returns those pixels of a box (left, top, right, bottom, bounds included) that lie in the tile at `origin`, counted
@@ -137,23 +164,13 @@ enum TileEdge {
 
 /// How far from the origin of a tile corners may lie whose edge functions have 31 bits before they are divided.
 /// Half of it leaves some triangles of a few pixels to the general way; twice of it overflows.
-const NEAR_ORIGIN: i32 = 1 << 14;
+pub(super) const NEAR_ORIGIN: i32 = 1 << 14;
 
-/// Returns what [`edge`] returns, for corners near the tile, where the edge is taken to cross the tile without a test.
-#[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
-#[inline(always)]
-fn near_edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> TileEdge {
-    let (dx, dy) = (b.x - a.x, b.y - a.y);
+fn edge(a: [i32; 2], b: [i32; 2], origin: [i32; 2]) -> TileEdge {
+    let (dx, dy) = (i64::from(b[0] - a[0]), i64::from(b[1] - a[1]));
     let counts = dy > 0 || (dy == 0 && dx > 0);
-    let value = dx * (origin[1] * STEPS_A_PIXEL - a.y) - dy * (origin[0] * STEPS_A_PIXEL - a.x) - i32::from(!counts);
-    TileEdge::Crossing(value >> EIGHTH_STEPS.trailing_zeros(), -dy, dx)
-}
-
-fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> TileEdge {
-    let (dx, dy) = (i64::from(b.x - a.x), i64::from(b.y - a.y));
-    let counts = dy > 0 || (dy == 0 && dx > 0);
-    let x = i64::from(origin[0] * STEPS_A_PIXEL - a.x);
-    let y = i64::from(origin[1] * STEPS_A_PIXEL - a.y);
+    let x = i64::from(origin[0] * STEPS_A_PIXEL - a[0]);
+    let y = i64::from(origin[1] * STEPS_A_PIXEL - a[1]);
     let value = (dx * y - dy * x - i64::from(!counts)) >> EIGHTH_STEPS.trailing_zeros();
     let last = i64::from(8 * TILE_SIDE - 1);
     if value + (-dy * last).max(0) + (dx * last).max(0) < 0 {
@@ -166,44 +183,22 @@ fn edge(a: Vertex, b: Vertex, origin: [i32; 2]) -> TileEdge {
 }
 
 impl TriangleSetup {
-    /// Prepares a triangle over some pixels of the tile: left, top, right, bottom, bounds included.
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
-    #[inline(always)]
-    pub(super) fn new(mut corners: [Vertex; 3], pixels: [i32; 4], origin: [i32; 2]) -> Option<Self> {
-        let area = area(&corners);
-        if area == 0 {
-            return None;
-        }
-        if area < 0 {
-            corners.swap(1, 2);
-        }
-        let [left, top, ..] = pixels;
-        let mut setup = Self {
-            edges: [0; 3],
-            right: [0; 3],
-            down: [0; 3],
-            pixels,
-            depth: [0.0; SAMPLES],
-            slope: [0.0; 2],
-            range: [0.0; 2],
-        };
-        let near = |v: &Vertex| {
-            [v.x - STEPS_A_PIXEL * origin[0], v.y - STEPS_A_PIXEL * origin[1]].iter().all(|&u| u.abs() < NEAR_ORIGIN)
-        };
-        let is_near = corners.iter().all(near);
+    /// Returns the triangle with edge functions for corners at any distance; `None` if it lies outside the tile.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn over_far_edges(mut self, corners: &CornerPlaces, i: usize, origin: [i32; 2]) -> Option<Self> {
+        let [left, top, ..] = self.pixels;
         for k in 0..3 {
-            let (a, b) = (corners[k], corners[(k + 1) % 3]);
-            match if is_near { near_edge(a, b, origin) } else { edge(a, b, origin) } {
+            let at = |k: usize| [corners.x[k][i], corners.y[k][i]];
+            let (value, right, down) = match edge(at(k), at((k + 1) % 3), origin) {
                 TileEdge::Outside => return None,
-                TileEdge::Inside => {}
-                TileEdge::Crossing(value, right, down) => {
-                    (setup.right[k], setup.down[k]) = (right, down);
-                    setup.edges[k] = value.wrapping_add(8 * right * left).wrapping_add(8 * down * top);
-                }
-            }
+                TileEdge::Inside => (0, 0, 0),
+                TileEdge::Crossing(value, right, down) => (value, right, down),
+            };
+            (self.right[k], self.down[k]) = (right, down);
+            self.edges[k] = value.wrapping_add(8 * right * left).wrapping_add(8 * down * top);
         }
-        setup.interpolate(&corners, [origin[0] + left, origin[1] + top]);
-        Some(setup)
+        Some(self)
     }
 
     /// Returns the edge functions, the depths and the columns at the samples of the first two pixels.
@@ -348,23 +343,6 @@ impl TriangleSetup {
         }
         let first = first.min(n as i64);
         first as usize..end.max(first) as usize
-    }
-
-    /// Sets the plane of depths, from the first pixel of the bounding box.
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
-    #[inline(always)]
-    fn interpolate(&mut self, corners: &[Vertex; 3], first: [i32; 2]) {
-        let [a, b, c] = *corners;
-        let slope = slope(corners);
-        let x = f64::from(first[0] * STEPS_A_PIXEL - a.x) * (1.0 / f64::from(STEPS_A_PIXEL));
-        let y = f64::from(first[1] * STEPS_A_PIXEL - a.y) * (1.0 / f64::from(STEPS_A_PIXEL));
-        let corner = f64::from(a.depth) + slope[0] * x + slope[1] * y;
-        let (right, down) = (slope[0] / 8.0, slope[1] / 8.0);
-        for (depth, [x, y]) in self.depth.iter_mut().zip(SAMPLE_PLACES) {
-            *depth = (corner + right * f64::from(x) + down * f64::from(y)) as f32;
-        }
-        self.slope = [slope[0] as f32, slope[1] as f32];
-        self.range = [a.depth.min(b.depth).min(c.depth), a.depth.max(b.depth).max(c.depth)];
     }
 }
 

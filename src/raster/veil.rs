@@ -52,7 +52,7 @@ impl<'a> Veil<'a> {
                 n += 1;
             } else if depth + most >= surface {
                 if owner != self.known {
-                    let [x, y] = slope(&self.model.corners(owner));
+                    let [x, y] = slope(&self.model.corners(owner).map(|corner| *corner));
                     #[expect(clippy::cast_possible_truncation, reason = "a lift needs no last digit")]
                     let steepness = (x.abs() + y.abs()) as f32;
                     (self.known, self.slope) = (owner, steepness);

@@ -1,0 +1,220 @@
+//! Triangles prepared for a tile several at a time, each number of all of them in one vector.
+
+#![expect(clippy::cast_possible_truncation, reason = "depths need no more than the precision of f32")]
+
+use super::project::{BEHIND, STEPS_A_PIXEL, Vertex};
+use super::triangle::{
+    CornerPlaces, NEAR_ORIGIN, SAMPLE_PLACES, SAMPLES, TILE_SIDE, TriangleSetup, high_pixel, low_pixel,
+};
+
+/// Triangles looked at together: eight numbers of 32 bits fill a vector register of 256 bits. Half of it leaves half of
+/// that empty; twice of it needs two registers for each number.
+pub(super) const BLOCK_TRIANGLES: usize = 8;
+
+/// A number for each triangle of a block.
+pub(super) type BlockRow<T> = [T; BLOCK_TRIANGLES];
+
+/// The corners of a block of triangles, three rows each.
+#[derive(Debug)]
+pub(super) struct TriangleBlock {
+    pub(super) x: [BlockRow<i32>; 3],
+    pub(super) y: [BlockRow<i32>; 3],
+    pub(super) depth: [BlockRow<f32>; 3],
+    pub(super) sides: [BlockRow<u32>; 3],
+    pub(super) id: BlockRow<u32>,
+    /// The number of triangles.
+    pub(super) n: usize,
+}
+
+/// A block of triangles prepared for a tile.
+pub(super) struct BlockSetup {
+    /// Pixels of the tile that hold a sample of the bounding box, bounds included; none if left is right of right, or
+    /// top below bottom.
+    left: BlockRow<i32>,
+    top: BlockRow<i32>,
+    right: BlockRow<i32>,
+    bottom: BlockRow<i32>,
+    /// The largest depth.
+    pub(super) nearest: BlockRow<f32>,
+    farthest: BlockRow<f32>,
+    /// Twice the area in square steps.
+    area: BlockRow<f64>,
+    /// Whether the edge functions count; else corners are too far from the tile.
+    is_near: BlockRow<bool>,
+    edges: [BlockRow<i32>; 3],
+    steps_right: [BlockRow<i32>; 3],
+    steps_down: [BlockRow<i32>; 3],
+    depth: [BlockRow<f32>; SAMPLES],
+    slope: [BlockRow<f32>; 2],
+}
+
+impl Default for TriangleBlock {
+    fn default() -> Self {
+        let (none, zero) = ([[0; BLOCK_TRIANGLES]; 3], [[0.0; BLOCK_TRIANGLES]; 3]);
+        Self { x: none, y: none, depth: zero, sides: [[BEHIND; BLOCK_TRIANGLES]; 3], id: [0; BLOCK_TRIANGLES], n: 0 }
+    }
+}
+
+impl TriangleBlock {
+    /// Adds a triangle; there must be room.
+    #[inline]
+    pub(super) fn push(&mut self, corners: [&Vertex; 3], id: u32) {
+        let i = self.n % BLOCK_TRIANGLES;
+        for (k, corner) in corners.into_iter().enumerate() {
+            (self.x[k][i], self.y[k][i]) = (corner.x, corner.y);
+            (self.depth[k][i], self.sides[k][i]) = (corner.depth, corner.sides);
+        }
+        self.id[i] = id;
+        self.n = i + 1;
+    }
+
+    /// Returns whether there is no room for another triangle.
+    #[inline]
+    pub(super) fn is_full(&self) -> bool {
+        self.n == BLOCK_TRIANGLES
+    }
+
+    /// Returns twice the signed area of triangle `i` in square steps. Coordinates have 23 bits, so that it is exact.
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
+    #[inline(always)]
+    pub(super) fn area(&self, i: usize) -> f64 {
+        let way = |u: &[BlockRow<i32>; 3], k: usize| f64::from(u[k][i] - u[0][i]);
+        way(&self.x, 1) * way(&self.y, 2) - way(&self.x, 2) * way(&self.y, 1)
+    }
+
+    /// Returns the least and the largest number of triangle `i`.
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
+    #[inline(always)]
+    pub(super) fn range<T: Copy + PartialOrd>(numbers: &[BlockRow<T>; 3], i: usize) -> [T; 2] {
+        let less = |a: T, b: T| if b < a { b } else { a };
+        let more = |a: T, b: T| if b > a { b } else { a };
+        let [a, b, c] = [numbers[0][i], numbers[1][i], numbers[2][i]];
+        [less(less(a, b), c), more(more(a, b), c)]
+    }
+}
+
+impl BlockSetup {
+    /// Prepares triangles for the tile whose first pixel is `origin`. There are no branches, so that it is vector code.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
+    pub(super) fn of(block: &TriangleBlock, origin: [i32; 2]) -> Self {
+        let (row, zero) = ([0; BLOCK_TRIANGLES], [0.0; BLOCK_TRIANGLES]);
+        let mut setup = Self {
+            left: row,
+            top: row,
+            right: row,
+            bottom: row,
+            nearest: zero,
+            farthest: zero,
+            area: [0.0; BLOCK_TRIANGLES],
+            is_near: [false; BLOCK_TRIANGLES],
+            edges: [row; 3],
+            steps_right: [row; 3],
+            steps_down: [row; 3],
+            depth: [zero; SAMPLES],
+            slope: [zero; 2],
+        };
+        for i in 0..BLOCK_TRIANGLES {
+            setup.area[i] = block.area(i);
+            [setup.farthest[i], setup.nearest[i]] = TriangleBlock::range(&block.depth, i);
+        }
+        let corner = origin.map(|pixel| pixel * STEPS_A_PIXEL);
+        for i in 0..BLOCK_TRIANGLES {
+            let ([least_x, most_x], [least_y, most_y]) =
+                (TriangleBlock::range(&block.x, i), TriangleBlock::range(&block.y, i));
+            setup.left[i] = (low_pixel(least_x) - origin[0]).max(0);
+            setup.top[i] = (low_pixel(least_y) - origin[1]).max(0);
+            setup.right[i] = (high_pixel(most_x) - origin[0]).min(TILE_SIDE - 1);
+            setup.bottom[i] = (high_pixel(most_y) - origin[1]).min(TILE_SIDE - 1);
+            let is_near = |least: i32, most: i32| (least > -NEAR_ORIGIN) & (most < NEAR_ORIGIN);
+            setup.is_near[i] =
+                is_near(least_x - corner[0], most_x - corner[0]) & is_near(least_y - corner[1], most_y - corner[1]);
+        }
+        setup.add_edges(&CornerPlaces::of(block, &setup.area), corner);
+        setup.add_depths(block, corner);
+        setup
+    }
+
+    /// Sets the edge functions at the corner of the first pixel, for triangles whose corners are near.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
+    fn add_edges(&mut self, corners: &CornerPlaces, corner: [i32; 2]) {
+        for k in 0..3 {
+            let next = (k + 1) % 3;
+            for i in 0..BLOCK_TRIANGLES {
+                let (x, y) = (corners.x[k][i], corners.y[k][i]);
+                let (dx, dy) = (corners.x[next][i] - x, corners.y[next][i] - y);
+                let counts = (dy > 0) | ((dy == 0) & (dx > 0));
+                let value = dx.wrapping_mul(corner[1] - y).wrapping_sub(dy.wrapping_mul(corner[0] - x));
+                let value = value.wrapping_sub(i32::from(!counts)) >> (STEPS_A_PIXEL / 8).trailing_zeros();
+                let first = (-dy).wrapping_mul(8 * self.left[i]).wrapping_add(dx.wrapping_mul(8 * self.top[i]));
+                self.edges[k][i] = value.wrapping_add(first);
+                (self.steps_right[k][i], self.steps_down[k][i]) = (-dy, dx);
+            }
+        }
+    }
+
+    /// Sets the depths at the samples of the first pixel and their growth.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
+    fn add_depths(&mut self, block: &TriangleBlock, corner: [i32; 2]) {
+        let mut first = [0.0; BLOCK_TRIANGLES];
+        let mut slope = [[0.0; BLOCK_TRIANGLES]; 2];
+        for i in 0..BLOCK_TRIANGLES {
+            let rise = |k: usize| f64::from(block.depth[k][i]) - f64::from(block.depth[0][i]);
+            let way = |u: &[BlockRow<i32>; 3], k: usize| f64::from(u[k][i] - u[0][i]);
+            let (bx, by, cx, cy) = (way(&block.x, 1), way(&block.y, 1), way(&block.x, 2), way(&block.y, 2));
+            let scale = f64::from(STEPS_A_PIXEL) / self.area[i];
+            slope[0][i] = (rise(1) * cy - rise(2) * by) * scale;
+            slope[1][i] = (rise(2) * bx - rise(1) * cx) * scale;
+            let x = f64::from(corner[0] + self.left[i] * STEPS_A_PIXEL - block.x[0][i]);
+            let y = f64::from(corner[1] + self.top[i] * STEPS_A_PIXEL - block.y[0][i]);
+            let pixels = 1.0 / f64::from(STEPS_A_PIXEL);
+            first[i] = f64::from(block.depth[0][i]) + slope[0][i] * (x * pixels) + slope[1][i] * (y * pixels);
+        }
+        for (s, [x, y]) in SAMPLE_PLACES.into_iter().enumerate() {
+            let (x, y) = (f64::from(x), f64::from(y));
+            for i in 0..BLOCK_TRIANGLES {
+                self.depth[s][i] = (first[i] + slope[0][i] / 8.0 * x + slope[1][i] / 8.0 * y) as f32;
+            }
+        }
+        for k in 0..2 {
+            for i in 0..BLOCK_TRIANGLES {
+                self.slope[k][i] = slope[k][i] as f32;
+            }
+        }
+    }
+
+    /// Returns the pixels of triangle `i` in the tile: left, top, right, bottom, bounds included; `None` if there are
+    /// none.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
+    pub(super) fn pixels(&self, i: usize) -> Option<[i32; 4]> {
+        let [left, top, right, bottom] = [self.left[i], self.top[i], self.right[i], self.bottom[i]];
+        (left <= right && top <= bottom).then_some([left, top, right, bottom])
+    }
+
+    /// Returns triangle `i`, unless it has no area or lies outside the tile whose first pixel is `origin`.
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
+    pub(super) fn at(&self, i: usize, block: &TriangleBlock, origin: [i32; 2]) -> Option<TriangleSetup> {
+        if self.area[i] == 0.0 {
+            return None;
+        }
+        let of = |rows: &[BlockRow<i32>; 3]| [rows[0][i], rows[1][i], rows[2][i]];
+        let setup = TriangleSetup {
+            edges: of(&self.edges),
+            right: of(&self.steps_right),
+            down: of(&self.steps_down),
+            pixels: [self.left[i], self.top[i], self.right[i], self.bottom[i]],
+            depth: [self.depth[0][i], self.depth[1][i], self.depth[2][i], self.depth[3][i]],
+            slope: [self.slope[0][i], self.slope[1][i]],
+            range: [self.farthest[i], self.nearest[i]],
+        };
+        if self.is_near[i] {
+            Some(setup)
+        } else {
+            setup.over_far_edges(&CornerPlaces::of(block, &self.area), i, origin)
+        }
+    }
+}
