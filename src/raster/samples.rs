@@ -97,7 +97,7 @@ impl Samples {
     ) {
         self.settle(origin);
         self.waiting.push(corners, id);
-        if let Some(setup) = self.prepared(&BlockSetup::of(&self.waiting, origin), 0, origin) {
+        if let Some(setup) = self.prepared(&BlockSetup::of(&self.waiting, origin), 0) {
             self.done.pixels += setup.fill_where(id, &mut self.depth, &mut self.owner, &is_there);
         }
         self.waiting.n = 0;
@@ -106,7 +106,7 @@ impl Samples {
     /// Returns triangle `i` of those that wait, if it may be seen in the tile.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    fn prepared(&mut self, setup: &BlockSetup, i: usize, origin: [i32; 2]) -> Option<TriangleSetup> {
+    fn prepared(&mut self, setup: &BlockSetup, i: usize) -> Option<TriangleSetup> {
         self.done.triangles += 1;
         if self.visited > 4 * TILE * TILE {
             self.farthest();
@@ -117,10 +117,9 @@ impl Samples {
             return None;
         }
         let pixels = setup.pixels(i).filter(|pixels| !self.is_hidden(*pixels, nearest))?;
-        let setup = setup.at(i, &self.waiting, origin)?;
         let [left, top, right, bottom] = pixels;
         self.visited += ((right - left + 1) * (bottom - top + 1)) as usize;
-        Some(setup)
+        Some(setup.at(i))
     }
 
     /// Returns the smallest depth of a sample.
@@ -158,7 +157,7 @@ impl Samples {
 fn draw_everywhere(samples: &mut Samples, origin: [i32; 2]) {
     let setups = BlockSetup::of(&samples.waiting, origin);
     for i in 0..samples.waiting.n.min(BLOCK_TRIANGLES) {
-        if let Some(setup) = samples.prepared(&setups, i, origin) {
+        if let Some(setup) = samples.prepared(&setups, i) {
             let id = samples.waiting.id[i];
             samples.done.pixels += setup.fill(id, &mut samples.depth, &mut samples.owner, &samples.places);
         }

@@ -153,7 +153,7 @@ pub(super) fn touched(&[a, b, c]: &[Vertex; 3]) -> [i32; 4] {
 }
 
 /// One edge in a tile.
-enum TileEdge {
+pub(super) enum TileEdge {
     /// The tile lies outside.
     Outside,
     /// The tile lies inside.
@@ -166,7 +166,7 @@ enum TileEdge {
 /// Half of it leaves some triangles of a few pixels to the general way; twice of it overflows.
 pub(super) const NEAR_ORIGIN: i32 = 1 << 14;
 
-fn edge(a: [i32; 2], b: [i32; 2], origin: [i32; 2]) -> TileEdge {
+pub(super) fn edge(a: [i32; 2], b: [i32; 2], origin: [i32; 2]) -> TileEdge {
     let (dx, dy) = (i64::from(b[0] - a[0]), i64::from(b[1] - a[1]));
     let counts = dy > 0 || (dy == 0 && dx > 0);
     let x = i64::from(origin[0] * STEPS_A_PIXEL - a[0]);
@@ -183,24 +183,6 @@ fn edge(a: [i32; 2], b: [i32; 2], origin: [i32; 2]) -> TileEdge {
 }
 
 impl TriangleSetup {
-    /// Returns the triangle with edge functions for corners at any distance; `None` if it lies outside the tile.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn over_far_edges(mut self, corners: &CornerPlaces, i: usize, origin: [i32; 2]) -> Option<Self> {
-        let [left, top, ..] = self.pixels;
-        for k in 0..3 {
-            let at = |k: usize| [corners.x[k][i], corners.y[k][i]];
-            let (value, right, down) = match edge(at(k), at((k + 1) % 3), origin) {
-                TileEdge::Outside => return None,
-                TileEdge::Inside => (0, 0, 0),
-                TileEdge::Crossing(value, right, down) => (value, right, down),
-            };
-            (self.right[k], self.down[k]) = (right, down);
-            self.edges[k] = value.wrapping_add(8 * right * left).wrapping_add(8 * down * top);
-        }
-        Some(self)
-    }
-
     /// Returns the edge functions, the depths and the columns at the samples of the first two pixels.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]

@@ -4,7 +4,7 @@
 
 use super::project::{BEHIND, STEPS_A_PIXEL, Vertex};
 use super::triangle::{
-    CornerPlaces, NEAR_ORIGIN, SAMPLE_PLACES, SAMPLES, TILE_SIDE, TriangleSetup, high_pixel, low_pixel,
+    CornerPlaces, NEAR_ORIGIN, SAMPLE_PLACES, SAMPLES, TILE_SIDE, TileEdge, TriangleSetup, edge, high_pixel, low_pixel,
 };
 
 /// Triangles looked at together: eight numbers of 32 bits fill a vector register of 256 bits. Half of it leaves half of
@@ -124,14 +124,20 @@ impl BlockSetup {
                 (TriangleBlock::range(&block.x, i), TriangleBlock::range(&block.y, i));
             setup.left[i] = (low_pixel(least_x) - origin[0]).max(0);
             setup.top[i] = (low_pixel(least_y) - origin[1]).max(0);
-            setup.right[i] = (high_pixel(most_x) - origin[0]).min(TILE_SIDE - 1);
+            // without area, it covers nothing
+            let right = (high_pixel(most_x) - origin[0]).min(TILE_SIDE - 1);
+            setup.right[i] = if setup.area[i] == 0.0 { -1 } else { right };
             setup.bottom[i] = (high_pixel(most_y) - origin[1]).min(TILE_SIDE - 1);
             let is_near = |least: i32, most: i32| (least > -NEAR_ORIGIN) & (most < NEAR_ORIGIN);
             setup.is_near[i] =
                 is_near(least_x - corner[0], most_x - corner[0]) & is_near(least_y - corner[1], most_y - corner[1]);
         }
-        setup.add_edges(&CornerPlaces::of(block, &setup.area), corner);
+        let places = CornerPlaces::of(block, &setup.area);
+        setup.add_edges(&places, corner);
         setup.add_depths(block, corner);
+        if setup.is_near.contains(&false) {
+            setup.add_far_edges(&places, origin);
+        }
         setup
     }
 
@@ -194,15 +200,12 @@ impl BlockSetup {
         (left <= right && top <= bottom).then_some([left, top, right, bottom])
     }
 
-    /// Returns triangle `i`, unless it has no area or lies outside the tile whose first pixel is `origin`.
+    /// Returns triangle `i`, which has pixels in the tile.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    pub(super) fn at(&self, i: usize, block: &TriangleBlock, origin: [i32; 2]) -> Option<TriangleSetup> {
-        if self.area[i] == 0.0 {
-            return None;
-        }
+    pub(super) fn at(&self, i: usize) -> TriangleSetup {
         let of = |rows: &[BlockRow<i32>; 3]| [rows[0][i], rows[1][i], rows[2][i]];
-        let setup = TriangleSetup {
+        TriangleSetup {
             edges: of(&self.edges),
             right: of(&self.steps_right),
             down: of(&self.steps_down),
@@ -210,11 +213,28 @@ impl BlockSetup {
             depth: [self.depth[0][i], self.depth[1][i], self.depth[2][i], self.depth[3][i]],
             slope: [self.slope[0][i], self.slope[1][i]],
             range: [self.farthest[i], self.nearest[i]],
-        };
-        if self.is_near[i] {
-            Some(setup)
-        } else {
-            setup.over_far_edges(&CornerPlaces::of(block, &self.area), i, origin)
+        }
+    }
+
+    /// Sets the edge functions of triangles with corners far from the tile; those outside of it have no pixels there.
+    #[cold]
+    #[inline(never)]
+    fn add_far_edges(&mut self, corners: &CornerPlaces, origin: [i32; 2]) {
+        for i in (0..BLOCK_TRIANGLES).filter(|i| !self.is_near[*i]) {
+            for k in 0..3 {
+                let at = |k: usize| [corners.x[k][i], corners.y[k][i]];
+                let (value, right, down) = match edge(at(k), at((k + 1) % 3), origin) {
+                    TileEdge::Inside => (0, 0, 0),
+                    TileEdge::Crossing(value, right, down) => (value, right, down),
+                    TileEdge::Outside => {
+                        self.right[i] = -1;
+                        break;
+                    }
+                };
+                (self.steps_right[k][i], self.steps_down[k][i]) = (right, down);
+                let first = (8 * right).wrapping_mul(self.left[i]).wrapping_add((8 * down).wrapping_mul(self.top[i]));
+                self.edges[k][i] = value.wrapping_add(first);
+            }
         }
     }
 }
