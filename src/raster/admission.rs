@@ -91,3 +91,63 @@ fn admissions(grid: TileGrid, block: &TriangleBlock) -> Admissions {
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::project::{ABOVE, LEFT, RIGHT, Vertex};
+    use super::super::triangle::{area, touched};
+    use super::*;
+
+    const NONE: Vertex = Vertex { x: 0, y: 0, depth: 0.0, sides: BEHIND };
+
+    fn admission(grid: TileGrid, triangles: &[[Vertex; 3]]) -> Vec<Admission> {
+        let mut block = TriangleBlock::default();
+        (0..).zip(triangles).for_each(|(id, corners)| block.push(corners.each_ref(), id));
+        let admissions = Admissions::of(grid, &block);
+        (0..triangles.len()).map(|i| admissions.at(i)).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn triangles_of_a_block_are_admitted_as_each_of_them_alone(
+            numbers in prop::collection::vec(prop::array::uniform9(-70_000_i32..400_000), 1..=BLOCK_TRIANGLES),
+            (width, height) in (1..1200_u32, 1..1200_u32),
+        ) {
+            let grid = TileGrid::of(width, height);
+            let corner = |x: i32, y: i32, depth: i16| Vertex { x, y, depth: depth.into(), sides: 0 };
+            let near = |number: i32| i16::try_from(number % 1000).expect("it is small");
+            let triangles: Vec<[Vertex; 3]> = numbers
+                .iter()
+                .map(|&[a, b, c, d, e, f, g, h, i]| [corner(a, b, near(g)), corner(c, d, near(h)), corner(e, f, near(i))])
+                .collect();
+            for (corners, admission) in triangles.iter().zip(admission(grid, &triangles)) {
+                let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
+                let rect = TileRect::of(grid, touched(corners)).filter(|_| area(corners) != 0);
+                let seen = |rect| Admission::Seen { is_back: area(corners) > 0, rect, nearest };
+                prop_assert_eq!(admission, rect.map_or(Admission::Unseen, seen));
+            }
+        }
+    }
+
+    #[test]
+    fn triangles_beyond_one_side_are_unseen_and_those_that_reach_too_far_are_cut() {
+        let grid = TileGrid::of(64, 64);
+        let with = |sides: [u32; 3]| {
+            let places = [[256, 256], [5120, 256], [256, 5120]];
+            [0, 1, 2].map(|k| Vertex { x: places[k][0], y: places[k][1], depth: 0.5, sides: sides[k] })
+        };
+        let fates = [
+            (with([LEFT, LEFT | ABOVE, LEFT]), Admission::Unseen),
+            (with([BEHIND; 3]), Admission::Unseen),
+            (with([LEFT | FAR_OUT, RIGHT, 0]), Admission::Cut),
+            (with([FAR_OUT; 3]), Admission::Cut),
+            (with([0, BEHIND, 0]), Admission::Cut),
+            ([with([0; 3])[0]; 3], Admission::Unseen),
+            ([NONE; 3], Admission::Unseen),
+        ];
+        let (triangles, expected): (Vec<_>, Vec<_>) = fates.into_iter().unzip();
+        assert_eq!(admission(grid, &triangles), expected);
+    }
+}

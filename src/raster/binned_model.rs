@@ -243,7 +243,6 @@ impl<'a> BinnedModel<'a> {
             std::array::from_fn(|k| [f64::from(corners[k].x) / STEP - left, f64::from(corners[k].y) / STEP - top]);
         let back = area(&corners) > 0;
         let mut facet = Facet::default();
-        facet.base[3] = if back { 1.0 } else { 0.0 };
         let unit = if back { 1.0 } else { -1.0 };
         let nearness = unit / f64::from(corners[0].depth);
         let mut weights = [[0.0; 3]; 3];
@@ -254,12 +253,14 @@ impl<'a> BinnedModel<'a> {
             let down = ((b[0] - a[0]) * weight) as f32;
             let base = (planar::cross(a, b) * weight) as f32;
             weights[k] = [base, right, down];
-            for (axis, along) in normals[k].into_iter().enumerate() {
-                facet.base[axis] += base * along as f32;
-                facet.right[axis] += right * along as f32;
-                facet.down[axis] += down * along as f32;
+            let normal = [normals[k][0] as f32, normals[k][1] as f32, normals[k][2] as f32, 0.0];
+            for axis in 0..4 {
+                facet.base[axis] += base * normal[axis];
+                facet.right[axis] += right * normal[axis];
+                facet.down[axis] += down * normal[axis];
             }
         }
+        facet.base[3] = if back { 1.0 } else { 0.0 };
         (facet, self.paint.as_ref().map(|paint| Tint::new(&self.painted(paint, id), &weights)))
     }
 }

@@ -167,7 +167,10 @@ fn aimed(view: &View, eye: Vector, target: Vector) -> [Vector; 3] {
 /// and backward.
 fn reach(points: &[&[Vector]], centre: Vector, [right, up, forward]: [Vector; 3], tangent: [f64; 2]) -> [f64; 6] {
     let none = [f64::NEG_INFINITY; 6];
-    let join = |a: [f64; 6], b: [f64; 6]| [0, 1, 2, 3, 4, 5].map(|i| a[i].max(b[i]));
+    let join = |mut a: [f64; 6], b: [f64; 6]| {
+        a.iter_mut().zip(b).for_each(|(a, b)| *a = if b > *a { b } else { *a });
+        a
+    };
     let one = |&p: &Vector| {
         let r = minus(p, centre);
         let (x, y, z) = (dot(r, right), dot(r, up), dot(r, forward));

@@ -88,7 +88,7 @@ impl<'a> GroundFrame<'a> {
         let of = |(points, is_used): (&[Vector], &[AtomicBool])| {
             let used = points.iter().zip(is_used).filter(|(_, is_used)| is_used.load(Ordering::Relaxed));
             used.fold(none, |sum, (&point, _)| {
-                let p = axes.map(|axis| dot(axis, point));
+                let p = [dot(axes[0], point), dot(axes[1], point), dot(axes[2], point)];
                 if p[0].is_finite() && p[1].is_finite() && p[2].is_finite() { join(sum, [p, p]) } else { sum }
             })
         };
@@ -102,7 +102,7 @@ impl<'a> GroundFrame<'a> {
         let middle = plus(plus(level[0], level[1]), times(low[2], sky));
         let place = |&point: &Vector| {
             let from = minus(point, middle);
-            axes.map(|axis| (dot(axis, from) / half) as f32)
+            [dot(axes[0], from), dot(axes[1], from), dot(axes[2], from)].map(|along| (along / half) as f32)
         };
         let places = model.positions.par_iter().with_min_len(ITEMS_PER_TASK).map(place).collect();
         let height = (high[2] - low[2]) / half;
@@ -185,7 +185,8 @@ impl<'a> GroundFrame<'a> {
             for list in list.chunks(4096) {
                 watch.check()?;
                 let mut n_places = 0;
-                for corners in list.iter().filter_map(|&triangle| self.over(triangle, cells)) {
+                for &triangle in list {
+                    let Some(corners) = self.over(triangle, cells) else { continue };
                     n_places += (parts(&corners) as u64 + 1).pow(2) / 2;
                     if n_places > most {
                         break;
@@ -227,7 +228,7 @@ fn parts(corners: &[[f32; 3]; 3]) -> usize {
     let side = |a: &[f32; 3], b: &[f32; 3]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
     let longest =
         side(&corners[0], &corners[1]).max(side(&corners[1], &corners[2])).max(side(&corners[2], &corners[0]));
-    (longest.ceil() as usize).max(1)
+    if longest <= 1.0 { 1 } else { longest.ceil() as usize }
 }
 
 /// Lowers the cells below a triangle to its height there. A triangle smaller than a cell counts as a single place.

@@ -116,8 +116,10 @@ impl Samples {
         if nearest < self.farthest {
             return None;
         }
-        let pixels = setup.pixels(i).filter(|pixels| !self.is_hidden(*pixels, nearest))?;
-        let [left, top, right, bottom] = pixels;
+        let pixels @ [left, top, right, bottom] = setup.pixels(i)?;
+        if self.is_hidden(pixels, nearest) {
+            return None;
+        }
         self.visited += ((right - left + 1) * (bottom - top + 1)) as usize;
         Some(setup.at(i))
     }
@@ -145,10 +147,20 @@ impl Samples {
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
     fn is_hidden(&self, [left, top, right, bottom]: [i32; 4], nearest: f32) -> bool {
-        (top..=bottom).all(|y| {
+        // loops, as closures would be compiled apart
+        for y in top..=bottom {
             let row = (y * TILE_SIDE + left) as usize..=(y * TILE_SIDE + right) as usize;
-            self.depth[row].iter().all(|depth| depth.iter().all(|&depth| depth > nearest))
-        })
+            for depth in &self.depth[row] {
+                let mut is_hidden = true;
+                for depth in depth {
+                    is_hidden &= *depth > nearest;
+                }
+                if !is_hidden {
+                    return false;
+                }
+            }
+        }
+        true
     }
 }
 

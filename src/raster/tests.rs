@@ -15,7 +15,8 @@ fn at(x: f64, y: f64) -> Vertex {
 
 fn covered(corners: [Vertex; 3]) -> Vec<bool> {
     let mut samples = Samples::new();
-    samples.draw(corners, 7, [0, 0]);
+    samples.draw(corners.each_ref(), 7, [0, 0]);
+    samples.settle([0, 0]);
     samples.owner.iter().flatten().map(|o| *o != NOBODY).collect()
 }
 
@@ -57,7 +58,9 @@ fn the_order_of_drawing_does_not_matter_and_of_equal_depths_the_lower_number_is_
         .collect();
     let drawn = |order: &mut dyn Iterator<Item = usize>| {
         let mut samples = Samples::new();
-        order.for_each(|i| samples.draw(triangles[i], u32::try_from(i).expect("a few triangles"), [0, 0]));
+        let id = |i: usize| u32::try_from(i).expect("a few triangles");
+        order.for_each(|i| samples.draw(triangles[i].each_ref(), id(i), [0, 0]));
+        samples.settle([0, 0]);
         samples.owner
     };
     let forward = drawn(&mut (0..triangles.len()));
@@ -71,9 +74,10 @@ fn pairs_of_pixels_are_covered_as_single_ones() {
     let fans = [([16.0, 16.0], 7), ([5.3, 6.7], 64), ([30.2, 1.9], 360)];
     let [mut pairs, mut single] = [Samples::new(), Samples::new()];
     for (id, triangle) in (0..).zip(fans.into_iter().flat_map(|(centre, n)| fan(centre, n)).map(ramp)) {
-        pairs.draw(triangle, id, [0, 0]);
-        single.draw_where(triangle, id, [0, 0], |_| true);
+        pairs.draw(triangle.each_ref(), id, [0, 0]);
+        single.draw_where(triangle.each_ref(), id, [0, 0], |_| true);
     }
+    pairs.settle([0, 0]);
     assert_eq!(pairs.owner, single.owner);
     let bits = |samples: &Samples| samples.depth.iter().flatten().map(|depth| depth.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(&pairs), bits(&single));
@@ -207,7 +211,8 @@ fn slivers_cover_the_samples_inside_them_and_look_at_few_pixels_beside() {
         let end = |side: f64| at(16.3 + 300.0 * x - side * y, 15.9 + 300.0 * y + side * x);
         let corners = [at(16.3 - 300.0 * x, 15.9 - 300.0 * y), end(2.0), end(-2.0)];
         let mut samples = Samples::new();
-        samples.draw(corners, 7, [0, 0]);
+        samples.draw(corners.each_ref(), 7, [0, 0]);
+        samples.settle([0, 0]);
         let left = |a: Vertex, b: Vertex, [px, py]: [i64; 2]| {
             let [ax, ay, bx, by] = [a.x, a.y, b.x, b.y].map(i64::from);
             (bx - ax) * (py - ay) - (by - ay) * (px - ax)

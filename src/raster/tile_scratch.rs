@@ -210,7 +210,10 @@ const OPAQUE_ALPHA: f32 = 1.0 - 0.5 / 255.0;
 
 /// Returns how a triangle hides what lies behind it; without translucent triangles, all are opaque.
 fn hiding(model: &BinnedModel<'_>, id: u32, has_clear: bool) -> Hiding {
-    model.paint.filter(|_| has_clear).map_or(Hiding::Wholly, |paint| paint.hiding(model.whole(id)))
+    match &model.paint {
+        Some(paint) if has_clear => paint.hiding(model.whole(id)),
+        _ => Hiding::Wholly,
+    }
 }
 
 /// Returns the opacity of a triangle as a function of the place in the tile.
