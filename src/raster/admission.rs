@@ -1,6 +1,11 @@
 //! Which tiles triangles touch, and which side of them is seen, found for several triangles at once.
 
 #![expect(clippy::cast_sign_loss, reason = "tiles are clamped to the picture")]
+#![expect(
+    clippy::needless_bitwise_bool,
+    clippy::needless_range_loop,
+    reason = "loops without branches are vector code"
+)]
 
 use multiversion::multiversion;
 

@@ -254,10 +254,10 @@ impl<'a> BinnedModel<'a> {
             let base = (planar::cross(a, b) * weight) as f32;
             weights[k] = [base, right, down];
             let normal = [normals[k][0] as f32, normals[k][1] as f32, normals[k][2] as f32, 0.0];
-            for axis in 0..4 {
-                facet.base[axis] += base * normal[axis];
-                facet.right[axis] += right * normal[axis];
-                facet.down[axis] += down * normal[axis];
+            for (axis, along) in normal.into_iter().enumerate() {
+                facet.base[axis] += base * along;
+                facet.right[axis] += right * along;
+                facet.down[axis] += down * along;
             }
         }
         facet.base[3] = if back { 1.0 } else { 0.0 };

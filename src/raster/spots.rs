@@ -94,8 +94,8 @@ impl Spots {
             for k in 0..4 {
                 shape.normal[k][i] = self.normal[i][k];
             }
-            for k in 0..2 {
-                shape.place[k][i] = corner[k] + self.place[i][k];
+            for (place, (corner, along)) in shape.place.iter_mut().zip(corner.iter().zip(&self.place[i])) {
+                place[i] = corner + along;
             }
         }
         shape

@@ -118,9 +118,10 @@ fn encoded(
             steps[x] = light_step(light[x] / alpha);
         }
         row.alpha[x] = rounded_down(alpha * 255.0 + 0.5) as u8;
-        let is_drawn = (surface[3][x] > 0.0) | (lines[3][x] > 0.0) | (dark[x] > 0.0);
-        row.kept[x] = u32::from(is_drawn & (alpha > 0.0)).wrapping_neg();
-        row.empty[x] = if is_drawn { 0 } else { background };
+        let drawn = [surface[3][x], lines[3][x], dark[x]].map(|share| u32::from(share > 0.0).wrapping_neg());
+        let drawn = drawn[0] | drawn[1] | drawn[2];
+        row.kept[x] = drawn & u32::from(alpha > 0.0).wrapping_neg();
+        row.empty[x] = !drawn & background;
     }
     row
 }

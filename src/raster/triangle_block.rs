@@ -1,6 +1,11 @@
 //! Triangles prepared for a tile several at a time, each number of all of them in one vector.
 
 #![expect(clippy::cast_possible_truncation, reason = "depths need no more than the precision of f32")]
+#![expect(
+    clippy::needless_bitwise_bool,
+    clippy::needless_range_loop,
+    reason = "loops without branches are vector code"
+)]
 
 use super::project::{BEHIND, STEPS_A_PIXEL, Vertex};
 use super::triangle::{
