@@ -12,15 +12,16 @@ const CACHED_FACETS: usize = 1024;
 /// Facets of triangles, each in the slot given by the last bits of its index.
 #[derive(Debug)]
 pub(super) struct Facets {
-    owners: Vec<u32>,
-    known: Vec<Facet>,
+    owners: Box<[u32; CACHED_FACETS]>,
+    known: Box<[Facet; CACHED_FACETS]>,
     /// The tints of the same triangles; empty unless the surface is painted.
     tints: Vec<Tint>,
 }
 
 impl Default for Facets {
     fn default() -> Self {
-        Self { owners: vec![NOBODY; CACHED_FACETS], known: vec![Facet::default(); CACHED_FACETS], tints: Vec::new() }
+        let known = Box::new([Facet::default(); CACHED_FACETS]);
+        Self { owners: Box::new([NOBODY; CACHED_FACETS]), known, tints: Vec::new() }
     }
 }
 

@@ -73,7 +73,7 @@ impl PixelSet {
 /// Depth and owner of sixteen samples in some pixels of a tile.
 #[derive(Debug)]
 pub(super) struct Fine {
-    /// [`FINE_PLACES`], right and down, in memory, see [`PAIR_PLACES`](super::triangle::PAIR_PLACES).
+    /// [`FINE_PLACES`], right and down, in memory, see [`PLACE_ROWS`](super::triangle::PLACE_ROWS).
     places: [[i32; FINE_SAMPLES]; 2],
     pixels: [u32; TILE],
     /// For each row, the number of pixels in the rows above it.

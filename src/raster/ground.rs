@@ -187,11 +187,12 @@ impl<'a> GroundFrame<'a> {
                 let mut n_places = 0;
                 for &triangle in list {
                     let Some(corners) = self.over(triangle, cells) else { continue };
-                    n_places += (parts(&corners) as u64 + 1).pow(2) / 2;
+                    let n_parts = parts(&corners);
+                    n_places += (n_parts as u64 + 1).pow(2) / 2;
                     if n_places > most {
                         break;
                     }
-                    lay(&corners, &mut heights, cells);
+                    lay(&corners, n_parts, &mut heights, cells);
                 }
                 if sampled.fetch_add(n_places, Ordering::Relaxed) + n_places > most {
                     break;
@@ -231,14 +232,14 @@ fn parts(corners: &[[f32; 3]; 3]) -> usize {
     if longest <= 1.0 { 1 } else { longest.ceil() as usize }
 }
 
-/// Lowers the cells below a triangle to its height there. A triangle smaller than a cell counts as a single place.
-fn lay(corners: &[[f32; 3]; 3], heights: &mut [f32], cells: usize) {
+/// Lowers the cells below a triangle, whose sides have `n` parts, to its height there. A triangle smaller than a cell
+/// counts as a single place.
+fn lay(corners: &[[f32; 3]; 3], n: usize, heights: &mut [f32], cells: usize) {
     let mut low = |[x, y, height]: [f32; 3]| {
         let [x, y] = [x, y].map(|u| (u.max(0.0) as usize).min(cells - 1));
         let least = &mut heights[y * cells + x];
         *least = least.min(height);
     };
-    let n = parts(corners);
     let [a, b, c] = *corners;
     if n == 1 {
         return low(a);

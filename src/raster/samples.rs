@@ -6,7 +6,7 @@ use multiversion::multiversion;
 
 use super::bins::TILE;
 use super::project::Vertex;
-use super::triangle::{NOBODY, PAIR_PLACES, PairPlaces, SAMPLES, TILE_SIDE, TriangleSetup};
+use super::triangle::{NOBODY, PLACE_ROWS, PlaceRows, SAMPLES, TILE_SIDE, TriangleSetup};
 use super::triangle_block::{BLOCK_TRIANGLES, BlockSetup, TriangleBlock};
 
 /// Depth and owner of every sample of a tile.
@@ -18,7 +18,7 @@ pub(super) struct Samples {
     pub(super) owner: Vec<[u32; SAMPLES]>,
     /// The triangles that wait.
     waiting: TriangleBlock,
-    places: PairPlaces,
+    places: PlaceRows,
     /// No sample is farther than this.
     farthest: f32,
     /// Pixels visited since `farthest` was found.
@@ -45,7 +45,7 @@ impl Samples {
             depth,
             owner,
             waiting: TriangleBlock::default(),
-            places: PAIR_PLACES,
+            places: PLACE_ROWS,
             farthest: 0.0,
             visited: 0,
             done: Done::default(),

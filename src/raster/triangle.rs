@@ -78,20 +78,19 @@ impl CornerPlaces {
 /// Half of it leaves half of that empty; twice of it looks at more pixels beside small triangles in vain.
 const PAIR_SAMPLES: usize = 2 * SAMPLES;
 
-/// Right and down for each sample of two pixels.
-pub(super) type PairPlaces = [[i32; PAIR_SAMPLES]; 2];
+/// Right and down for each sample of a pixel.
+pub(super) type PlaceRows = [[i32; SAMPLES]; 2];
 
-/// Places of the samples of two pixels in eighths of a pixel, right and down. Those who draw keep a copy in memory, as
-/// numbers that the compiler knows are multiplied one by one, by shifts and sums, and not in vectors.
-pub(super) const PAIR_PLACES: PairPlaces = {
-    let mut places = [[0; PAIR_SAMPLES]; 2];
-    let mut lane = 0;
-    while lane < PAIR_SAMPLES {
-        let [x, y] = SAMPLE_PLACES[lane % SAMPLES];
-        (places[0][lane], places[1][lane]) = (x + if lane < SAMPLES { 0 } else { 8 }, y);
-        lane += 1;
+/// [`SAMPLE_PLACES`], right and down. Those who draw keep a copy in memory, as numbers that the compiler knows are
+/// multiplied one by one, by shifts and sums, and not in vectors.
+pub(super) const PLACE_ROWS: PlaceRows = {
+    let mut rows = [[0; SAMPLES]; 2];
+    let mut sample = 0;
+    while sample < SAMPLES {
+        [rows[0][sample], rows[1][sample]] = SAMPLE_PLACES[sample];
+        sample += 1;
     }
-    places
+    rows
 };
 
 /// Gives triangle number `id` the samples of a pixel that it covers (`outside` is not negative there) and where it is
@@ -186,13 +185,16 @@ impl TriangleSetup {
     /// Returns the edge functions, the depths and the columns at the samples of the first two pixels.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    fn first_pair(&self, places: &PairPlaces) -> ([[i32; PAIR_SAMPLES]; 3], [f32; PAIR_SAMPLES], [f32; PAIR_SAMPLES]) {
+    fn first_pair(&self, places: &PlaceRows) -> ([[i32; PAIR_SAMPLES]; 3], [f32; PAIR_SAMPLES], [f32; PAIR_SAMPLES]) {
         let mut edges = [[0_i32; PAIR_SAMPLES]; 3];
         for (k, edges) in edges.iter_mut().enumerate() {
             let (edge, right, down) = (self.edges[k], self.right[k], self.down[k]);
-            for (lane, at) in edges.iter_mut().enumerate() {
+            for lane in 0..SAMPLES {
                 let across = right.wrapping_mul(places[0][lane]);
-                *at = edge.wrapping_add(across).wrapping_add(down.wrapping_mul(places[1][lane]));
+                edges[lane] = edge.wrapping_add(across).wrapping_add(down.wrapping_mul(places[1][lane]));
+            }
+            for lane in 0..SAMPLES {
+                edges[lane + SAMPLES] = edges[lane].wrapping_add(8 * right);
             }
         }
         let (mut base, mut columns) = ([0.0; PAIR_SAMPLES], [0.0; PAIR_SAMPLES]);
@@ -204,7 +206,7 @@ impl TriangleSetup {
     }
 
     /// Gives triangle number `id` the samples of the tile that it covers and where it is the nearest. Returns the
-    /// pixels looked at, and [`ROW_PX`] for each row that was cut. The places are [`PAIR_PLACES`].
+    /// pixels looked at, and [`ROW_PX`] for each row that was cut. The places are [`PLACE_ROWS`].
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
     pub(super) fn fill(
@@ -212,7 +214,7 @@ impl TriangleSetup {
         id: u32,
         depth: &mut [[f32; SAMPLES]],
         owner: &mut [[u32; SAMPLES]],
-        places: &PairPlaces,
+        places: &PlaceRows,
     ) -> u64 {
         let [left, top, right, bottom] = self.pixels;
         let n = (right - left + 1) as usize;
