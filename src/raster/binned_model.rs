@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::admission::{Admission, Admissions};
 use super::bins::{BinnedItem, Bins, TileGrid};
 use super::camera::{Camera, Projection, unit};
 use super::clip;
+use super::culling::{BlockFates, TriangleFate};
 use super::finish::Finisher;
 use super::line::StrokeLayer;
 use super::model::{Model, ShadingNormals, TriangleAppearance};
@@ -77,8 +77,8 @@ struct TriangleRun {
 impl TriangleRun {
     /// Lists a triangle, if it is seen, in the tiles that it touches.
     #[inline]
-    fn admit(&mut self, id: u32, admission: Admission) {
-        if let Admission::Seen { is_back, rect, nearest } = admission {
+    fn admit(&mut self, id: u32, fate: TriangleFate) {
+        if let TriangleFate::Seen { is_back, rect, nearest } = fate {
             self.found[usize::from(is_back)].push((id, rect, nearest));
         }
     }
@@ -128,11 +128,11 @@ impl<'a> BinnedModel<'a> {
                     let first = u32::try_from(first).expect("fewer than 2^32 triangles");
                     block.n = 0;
                     (first..).zip(list).for_each(|(id, triangle)| block.push(self.placed(triangle), id));
-                    let admissions = Admissions::of(self.grid, &block);
+                    let fates = BlockFates::of(self.grid, &block);
                     for (k, (id, &triangle)) in (first..).zip(list).enumerate() {
-                        match admissions.at(k) {
-                            Admission::Cut => self.admit_pieces(id, triangle, &mut run_of),
-                            admission => run_of.admit(id, admission),
+                        match fates.at(k) {
+                            TriangleFate::Cut => self.admit_pieces(id, triangle, &mut run_of),
+                            fate => run_of.admit(id, fate),
                         }
                     }
                 }
@@ -163,9 +163,9 @@ impl<'a> BinnedModel<'a> {
             let local = u32::try_from(local).expect("fewer than 2^32 pieces");
             let mut block = TriangleBlock::default();
             block.push([&corners[0], &corners[1], &corners[2]], local);
-            let admission = Admissions::of(self.grid, &block).at(0);
-            if let Admission::Seen { .. } = admission {
-                run.admit(local, admission);
+            let fate = BlockFates::of(self.grid, &block).at(0);
+            if let TriangleFate::Seen { .. } = fate {
+                run.admit(local, fate);
                 run.pieces.push(ClippedPiece { corners, shares: piece.map(|i| polygon[i].shares), whole: id });
             }
         }

@@ -8,7 +8,6 @@
 //! sixteen samples. At last hollows are darkened, a shadow is laid on the ground, and lines are laid over all. Threads
 //! divide tiles, never a sum: the bytes are the same for any number of threads.
 
-mod admission;
 mod binned_model;
 mod bins;
 mod camera;
@@ -16,6 +15,7 @@ mod clip;
 mod contact;
 #[cfg(test)]
 mod coverage_tests;
+mod culling;
 mod difference;
 mod facets;
 mod fine;

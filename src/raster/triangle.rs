@@ -13,7 +13,6 @@ use std::ops::Range;
 
 use super::bins::TILE;
 use super::project::{STEPS_A_PIXEL, Vertex};
-use super::triangle_block::{BLOCK_TRIANGLES, BlockRow, TriangleBlock};
 
 /// Samples a pixel.
 /// Where they see an edge, the pixel is looked at more closely, see `fine`. Two would miss thin things, eight take
@@ -51,27 +50,6 @@ pub(super) struct TriangleSetup {
     pub(super) depth: [f32; SAMPLES],
     pub(super) slope: [f32; 2],
     pub(super) range: [f32; 2],
-}
-
-/// The places of the corners of a block of triangles, turned so that areas are positive.
-pub(super) struct CornerPlaces {
-    pub(super) x: [BlockRow<i32>; 3],
-    pub(super) y: [BlockRow<i32>; 3],
-}
-
-impl CornerPlaces {
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
-    #[inline(always)]
-    pub(super) fn of(block: &TriangleBlock, areas: &BlockRow<f64>) -> Self {
-        let (mut x, mut y) = (block.x, block.y);
-        for i in 0..BLOCK_TRIANGLES {
-            let is_turned = areas[i] < 0.0;
-            for u in [&mut x, &mut y] {
-                (u[1][i], u[2][i]) = if is_turned { (u[2][i], u[1][i]) } else { (u[1][i], u[2][i]) };
-            }
-        }
-        Self { x, y }
-    }
 }
 
 /// Samples of the two pixels that are looked at together: eight numbers of 32 bits fill a vector register of 256 bits.

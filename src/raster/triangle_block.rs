@@ -9,7 +9,7 @@
 
 use super::project::{BEHIND, STEPS_A_PIXEL, Vertex};
 use super::triangle::{
-    CornerPlaces, NEAR_ORIGIN, SAMPLE_PLACES, SAMPLES, TILE_SIDE, TileEdge, TriangleSetup, edge, high_pixel, low_pixel,
+    NEAR_ORIGIN, SAMPLE_PLACES, SAMPLES, TILE_SIDE, TileEdge, TriangleSetup, edge, high_pixel, low_pixel,
 };
 
 /// Triangles looked at together: eight numbers of 32 bits fill a vector register of 256 bits. Half of it leaves half of
@@ -51,6 +51,27 @@ pub(super) struct BlockSetup {
     steps_down: [BlockRow<i32>; 3],
     depth: [BlockRow<f32>; SAMPLES],
     slope: [BlockRow<f32>; 2],
+}
+
+/// The places of the corners of a block of triangles, turned so that areas are positive.
+struct CornerPlaces {
+    x: [BlockRow<i32>; 3],
+    y: [BlockRow<i32>; 3],
+}
+
+impl CornerPlaces {
+    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[inline(always)]
+    fn of(block: &TriangleBlock, areas: &BlockRow<f64>) -> Self {
+        let (mut x, mut y) = (block.x, block.y);
+        for i in 0..BLOCK_TRIANGLES {
+            let is_turned = areas[i] < 0.0;
+            for u in [&mut x, &mut y] {
+                (u[1][i], u[2][i]) = if is_turned { (u[2][i], u[1][i]) } else { (u[1][i], u[2][i]) };
+            }
+        }
+        Self { x, y }
+    }
 }
 
 impl Default for TriangleBlock {

@@ -14,7 +14,7 @@ use super::project::{BEHIND, FAR_OUT, STEPS_A_PIXEL};
 use super::triangle_block::{BLOCK_TRIANGLES, BlockRow, TriangleBlock};
 
 /// What becomes of the triangles of a block.
-pub(super) struct Admissions {
+pub(super) struct BlockFates {
     fate: BlockRow<u32>,
     /// The first tile, and the numbers of further columns and rows.
     first: BlockRow<u32>,
@@ -25,7 +25,7 @@ pub(super) struct Admissions {
 
 /// What becomes of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Admission {
+pub(super) enum TriangleFate {
     /// It has no area, or lies outside the picture.
     Unseen,
     /// It must be clipped.
@@ -40,20 +40,20 @@ const CUT: u32 = 1;
 const FRONT: u32 = 2;
 const BACK: u32 = 3;
 
-impl Admissions {
+impl BlockFates {
     /// Looks at the triangles of a block.
     pub(super) fn of(grid: TileGrid, block: &TriangleBlock) -> Self {
-        admissions(grid, block)
+        fates(grid, block)
     }
 
     /// Returns what becomes of a triangle of the block.
     #[inline]
-    pub(super) fn at(&self, i: usize) -> Admission {
+    pub(super) fn at(&self, i: usize) -> TriangleFate {
         let more = |number: u32| u16::try_from(number).unwrap_or(u16::MAX);
         match self.fate[i] {
-            UNSEEN => Admission::Unseen,
-            CUT => Admission::Cut,
-            side => Admission::Seen {
+            UNSEEN => TriangleFate::Unseen,
+            CUT => TriangleFate::Cut,
+            side => TriangleFate::Seen {
                 is_back: side == BACK,
                 rect: TileRect { first: self.first[i], across: more(self.across[i]), down: more(self.down[i]) },
                 nearest: self.nearest[i],
@@ -65,10 +65,10 @@ impl Admissions {
 /// Finds the tiles of a block of triangles. There are no branches, so that it is vector code; wider vectors give the
 /// same bits.
 #[multiversion(targets("x86_64+avx2"))]
-fn admissions(grid: TileGrid, block: &TriangleBlock) -> Admissions {
+fn fates(grid: TileGrid, block: &TriangleBlock) -> BlockFates {
     let (columns, rows) = (i32::from(grid.columns), i32::from(grid.rows));
     let row = [0; BLOCK_TRIANGLES];
-    let mut found = Admissions { fate: row, first: row, across: row, down: row, nearest: [0.0; BLOCK_TRIANGLES] };
+    let mut found = BlockFates { fate: row, first: row, across: row, down: row, nearest: [0.0; BLOCK_TRIANGLES] };
     let mut area = [0.0; BLOCK_TRIANGLES];
     for i in 0..BLOCK_TRIANGLES {
         area[i] = block.area(i);
@@ -99,39 +99,41 @@ fn admissions(grid: TileGrid, block: &TriangleBlock) -> Admissions {
 
 #[cfg(test)]
 mod tests {
+    use proptest::array::uniform9;
+    use proptest::collection;
     use proptest::prelude::*;
 
-    use super::super::project::{ABOVE, LEFT, RIGHT, Vertex};
-    use super::super::triangle::{area, touched};
     use super::*;
+    use crate::raster::project::{ABOVE, LEFT, RIGHT, Vertex};
+    use crate::raster::triangle::{area, touched};
 
     const NONE: Vertex = Vertex { x: 0, y: 0, depth: 0.0, sides: BEHIND };
 
-    fn admission(grid: TileGrid, triangles: &[[Vertex; 3]]) -> Vec<Admission> {
+    fn fate(grid: TileGrid, triangles: &[[Vertex; 3]]) -> Vec<TriangleFate> {
         let mut block = TriangleBlock::default();
         (0..).zip(triangles).for_each(|(id, corners)| block.push(corners.each_ref(), id));
-        let admissions = Admissions::of(grid, &block);
-        (0..triangles.len()).map(|i| admissions.at(i)).collect()
+        let fates = BlockFates::of(grid, &block);
+        (0..triangles.len()).map(|i| fates.at(i)).collect()
     }
 
     proptest! {
         #[test]
         fn triangles_of_a_block_are_admitted_as_each_of_them_alone(
-            numbers in prop::collection::vec(prop::array::uniform9(-70_000_i32..400_000), 1..=BLOCK_TRIANGLES),
+            numbers in collection::vec(uniform9(-70_000_i32..400_000), 1..=BLOCK_TRIANGLES),
             (width, height) in (1..1200_u32, 1..1200_u32),
         ) {
             let grid = TileGrid::of(width, height);
-            let corner = |x: i32, y: i32, depth: i16| Vertex { x, y, depth: depth.into(), sides: 0 };
-            let near = |number: i32| i16::try_from(number % 1000).expect("it is small");
+            let near = |number: i32| i16::try_from(number % 1000).expect("it is small").into();
+            let corner = |x: i32, y: i32, depth: i32| Vertex { x, y, depth: near(depth), sides: 0 };
             let triangles: Vec<[Vertex; 3]> = numbers
                 .iter()
-                .map(|&[a, b, c, d, e, f, g, h, i]| [corner(a, b, near(g)), corner(c, d, near(h)), corner(e, f, near(i))])
+                .map(|&[a, b, c, d, e, f, g, h, i]| [corner(a, b, g), corner(c, d, h), corner(e, f, i)])
                 .collect();
-            for (corners, admission) in triangles.iter().zip(admission(grid, &triangles)) {
+            for (corners, fate) in triangles.iter().zip(fate(grid, &triangles)) {
                 let nearest = corners[0].depth.max(corners[1].depth).max(corners[2].depth);
                 let rect = TileRect::of(grid, touched(corners)).filter(|_| area(corners) != 0);
-                let seen = |rect| Admission::Seen { is_back: area(corners) > 0, rect, nearest };
-                prop_assert_eq!(admission, rect.map_or(Admission::Unseen, seen));
+                let seen = |rect| TriangleFate::Seen { is_back: area(corners) > 0, rect, nearest };
+                prop_assert_eq!(fate, rect.map_or(TriangleFate::Unseen, seen));
             }
         }
     }
@@ -144,15 +146,15 @@ mod tests {
             [0, 1, 2].map(|k| Vertex { x: places[k][0], y: places[k][1], depth: 0.5, sides: sides[k] })
         };
         let fates = [
-            (with([LEFT, LEFT | ABOVE, LEFT]), Admission::Unseen),
-            (with([BEHIND; 3]), Admission::Unseen),
-            (with([LEFT | FAR_OUT, RIGHT, 0]), Admission::Cut),
-            (with([FAR_OUT; 3]), Admission::Cut),
-            (with([0, BEHIND, 0]), Admission::Cut),
-            ([with([0; 3])[0]; 3], Admission::Unseen),
-            ([NONE; 3], Admission::Unseen),
+            (with([LEFT, LEFT | ABOVE, LEFT]), TriangleFate::Unseen),
+            (with([BEHIND; 3]), TriangleFate::Unseen),
+            (with([LEFT | FAR_OUT, RIGHT, 0]), TriangleFate::Cut),
+            (with([FAR_OUT; 3]), TriangleFate::Cut),
+            (with([0, BEHIND, 0]), TriangleFate::Cut),
+            ([with([0; 3])[0]; 3], TriangleFate::Unseen),
+            ([NONE; 3], TriangleFate::Unseen),
         ];
         let (triangles, expected): (Vec<_>, Vec<_>) = fates.into_iter().unzip();
-        assert_eq!(admission(grid, &triangles), expected);
+        assert_eq!(fate(grid, &triangles), expected);
     }
 }
