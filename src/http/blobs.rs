@@ -40,8 +40,9 @@ const PICTURE_STARTS: &[u8] = b"\x89PNG\r\n\x1a\n";
 /// Keeps a mesh file, under the hash of its bytes; jobs name it as `input.blob`.
 ///
 /// The body is the file, of a type that /v1/readers lists, a mesh as JSON, or a PNG for /v1/compare; a type that is not
-/// said is told by the first bytes. The same file sent again is the same upload. Uploads that no job needs may leave
-/// for others: a job that names one that is gone is refused, and the file can be sent again.
+/// said is told by the first bytes, and one that these contradict is refused. The same file sent again is the same
+/// upload. Uploads that no job needs may leave for others: a job that names one that is gone is refused, and the file
+/// can be sent again.
 #[utoipa::path(
     post, path = "/v1/blobs", tag = "jobs",
     request_body(content = String, content_type = "application/octet-stream", description = "The file",

@@ -23,7 +23,7 @@ use crate::output::picture::options::{
 use crate::output::picture::plot::{self, LEGEND, TEXT_SIZE, TITLE, X_LABEL, Y_LABEL};
 use crate::output::picture::shading::{self, SHADING, STRIPE_DIRECTION, STRIPES};
 use crate::output::picture::styles::STYLES;
-use crate::output::picture::{self, forecast, lines, look, meanings, mesh};
+use crate::output::picture::{self, forecast, framing, lines, look, meanings, mesh};
 use crate::output::scene::{Scene, Shape};
 use crate::output::size::Size;
 use crate::output::stream::Stream;
@@ -139,6 +139,7 @@ impl Requirements for Png {
             ShapeKind::Mesh => &lines::SHOWN,
             ShapeKind::Curves { .. } => picture::drawing::CURVE_ITEMS,
         };
+        framing::check(options)?;
         shading::check(kind, options)?;
         coat::check(kind, carried, options)?;
         plot::check(kind, options)?;

@@ -13,7 +13,7 @@ use crate::output::picture::drawing::CURVE_ITEMS;
 use crate::output::picture::hidden_lines::{self, MESH_ITEMS};
 use crate::output::picture::options;
 use crate::output::picture::plot::{self, TITLE};
-use crate::output::picture::vector;
+use crate::output::picture::{framing, vector};
 use crate::output::scene::Scene;
 use crate::output::sections::{SECTIONS, asked};
 use crate::output::size::Size;
@@ -77,6 +77,7 @@ impl Format for VectorFormat {
 
 impl Requirements for VectorFormat {
     fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
+        framing::check(options)?;
         plot::check(kind, options)?;
         match kind {
             ShapeKind::Mesh if asked(options) && options.unusual().any(|(name, _)| name == "show") => {

@@ -174,3 +174,20 @@ fn automatic_levels_are_refused_without_pixels_and_without_smaller_faces() {
     let job = cube(&json!("automatic"), &json!({}));
     assert!(faults(&job).iter().any(|fault| fault.pointer == "/levels" && fault.detail.contains("\"auto\"")));
 }
+
+#[test]
+fn cameras_that_look_nowhere_are_refused_at_their_place() {
+    for format in ["png", "svg", "apng"] {
+        let found = |camera: Value| faults(&cube(&json!(1), &json!({ "format": format, "camera": camera })));
+        let nowhere = found(json!({ "up": [0, 0, 0] }));
+        assert_eq!(nowhere[0].pointer, "/outputs/0/camera/up", "{format}: {nowhere:?}");
+    }
+    let at_itself = |format: &str| {
+        let camera = json!({ "eye": [1, 2, 3], "target": [1, 2, 3] });
+        faults(&cube(&json!(1), &json!({ "format": format, "camera": camera })))
+    };
+    assert_eq!(at_itself("png")[0].pointer, "/outputs/0/camera/eye");
+    assert_eq!(at_itself("svg")[0].pointer, "/outputs/0/camera/eye");
+    // up along the view is no fault: a camera that looks straight down has its own
+    png(&json!({ "camera": { "eye": [0, 9, 0], "target": [0, 0, 0], "up": [0, 1, 0] } }));
+}

@@ -2,6 +2,7 @@
 
 use super::options::{CAMERA, CAMERA_FIELDS, Options};
 use super::view_box::{BOX, BOX_FIELDS, LEGEND_PX};
+use crate::fault::Fault;
 use crate::math::parameter::{Value, Values};
 use crate::math::vector::{Vector, minus, times};
 use crate::raster::{Camera, Projection, View};
@@ -15,6 +16,22 @@ pub(crate) fn boxed(values: &mut Values, [min, max]: [Vector; 2], legend_px: u32
     corners.set(&LEGEND_PX, Value::Integer(legend_px.into()));
     camera.set(&BOX, Value::Group(corners));
     values.set(&CAMERA, Value::Group(camera));
+}
+
+/// Refuses a camera that looks nowhere, and one to which nothing is up.
+pub(crate) fn check(values: &Values) -> Result<(), Fault> {
+    let Some(camera) = values.group(CAMERA.name) else { return Ok(()) };
+    let is_nothing = |v: Vector| v.iter().all(|c| c.abs() <= 0.0);
+    if camera.vector("up").is_some_and(is_nothing) {
+        let detail = "a direction of length 0 points nowhere; give one like [0, 1, 0], or leave it out";
+        return Err(Fault::new("/camera/up", detail));
+    }
+    let way = camera.vector("eye").zip(camera.vector("target")).map(|(eye, target)| minus(target, eye));
+    if way.is_some_and(is_nothing) {
+        let detail = "the eye is at the target, so that it looks nowhere; move one of them, or leave the target out";
+        return Err(Fault::new("/camera/eye", detail));
+    }
+    Ok(())
 }
 
 impl Options<'_> {
