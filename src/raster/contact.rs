@@ -154,8 +154,8 @@ impl Shadow {
 }
 
 impl ShadowRow<'_> {
-    /// Returns the fraction of its light that the ground loses at the pixels of a row of a tile, from `first` on, if any
-    /// of them loses some.
+    /// Returns the fraction of its light that the ground loses at the pixels of a row of a tile, from `first` on, or
+    /// `None` if no pixel loses any.
     pub(super) fn dark(&self, first: usize) -> Option<[f32; TILE]> {
         let [left, _, right, _] = self.shadow.reach_px;
         if first >= right || first + TILE <= left {
