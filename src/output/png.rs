@@ -139,7 +139,7 @@ impl Requirements for Png {
             ShapeKind::Mesh => &lines::SHOWN,
             ShapeKind::Curves { .. } => picture::drawing::CURVE_ITEMS,
         };
-        framing::check(options)?;
+        framing::check(kind, options)?;
         shading::check(kind, options)?;
         coat::check(kind, carried, options)?;
         plot::check(kind, options)?;

@@ -77,7 +77,9 @@ impl Format for VectorFormat {
 
 impl Requirements for VectorFormat {
     fn suits(&self, kind: ShapeKind, _: &Attachments, options: &Values) -> Result<(), Fault> {
-        framing::check(options)?;
+        if !asked(options) {
+            framing::check(kind, options)?;
+        }
         plot::check(kind, options)?;
         match kind {
             ShapeKind::Mesh if asked(options) && options.unusual().any(|(name, _)| name == "show") => {

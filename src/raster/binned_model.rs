@@ -158,7 +158,8 @@ impl<'a> BinnedModel<'a> {
         }
         for k in 2..corners.len() {
             let piece = [0, k - 1, k];
-            let corners = piece.map(|i| corners[i]);
+            // no piece is culled by its sides: what lies beside the picture may still mark an edge at its border
+            let corners = piece.map(|i| Vertex { sides: 0, ..corners[i] });
             let local = self.model.triangles.len() + run.pieces.len();
             let local = u32::try_from(local).expect("fewer than 2^32 pieces");
             let mut block = TriangleBlock::default();
@@ -260,7 +261,8 @@ impl<'a> BinnedModel<'a> {
                 facet.down[axis] += down * along;
             }
         }
-        facet.base[3] = if back { 1.0 } else { 0.0 };
+        // exactly, even where depths are so far apart that sums are no numbers
+        (facet.base[3], facet.right[3], facet.down[3]) = (if back { 1.0 } else { 0.0 }, 0.0, 0.0);
         (facet, self.paint.as_ref().map(|paint| Tint::new(&self.painted(paint, id), &weights)))
     }
 }

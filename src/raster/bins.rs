@@ -9,7 +9,7 @@ pub(super) const TILE: usize = 32;
 pub(super) struct TileRect {
     /// The first tile; tiles are numbered row by row from the top.
     pub(super) first: u32,
-    /// The numbers of columns and rows beside its own.
+    /// The numbers of further columns to the right and of further rows below.
     pub(super) across: u16,
     pub(super) down: u16,
 }

@@ -123,8 +123,8 @@ mod tests {
             (width, height) in (1..1200_u32, 1..1200_u32),
         ) {
             let grid = TileGrid::of(width, height);
-            let near = |number: i32| i16::try_from(number % 1000).expect("it is small").into();
-            let corner = |x: i32, y: i32, depth: i32| Vertex { x, y, depth: near(depth), sides: 0 };
+            let depth = |number: i32| i16::try_from(number % 1000).expect("it is small").into();
+            let corner = |x: i32, y: i32, number: i32| Vertex { x, y, depth: depth(number), sides: 0 };
             let triangles: Vec<[Vertex; 3]> = numbers
                 .iter()
                 .map(|&[a, b, c, d, e, f, g, h, i]| [corner(a, b, g), corner(c, d, h), corner(e, f, i)])

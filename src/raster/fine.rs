@@ -133,8 +133,8 @@ impl Fine {
         self.pixels.iter().enumerate().flat_map(row).zip(&self.owner)
     }
 
-    /// Draws one triangle; see [`super::samples::Samples::draw`].
-    pub(super) fn draw(&mut self, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
+    /// Draws one triangle; of equal depths, that of the lower number is seen.
+    pub(super) fn draw(&mut self, corners: [&Vertex; 3], id: u32, origin: [i32; 2]) {
         draw_everywhere(self, corners, id, origin);
     }
 
@@ -143,11 +143,12 @@ impl Fine {
     #[inline(always)]
     pub(super) fn draw_where(
         &mut self,
-        corners: [Vertex; 3],
+        corners: [&Vertex; 3],
         id: u32,
         origin: [i32; 2],
         is_there: impl Fn([f32; 2]) -> bool,
     ) {
+        let corners = corners.map(|corner| *corner);
         let Some([left, top, right, bottom]) = in_tile(touched(&corners), origin) else { return };
         let columns = (u32::MAX >> (TILE_SIDE - 1 - (right - left))) << left;
         if (top..=bottom).all(|y| self.pixels[y as usize] & columns == 0) {
@@ -198,7 +199,7 @@ impl Fine {
 
 /// Draws one triangle; wider vectors give the same bits.
 #[multiversion(targets("x86_64+avx2"))]
-fn draw_everywhere(fine: &mut Fine, corners: [Vertex; 3], id: u32, origin: [i32; 2]) {
+fn draw_everywhere(fine: &mut Fine, corners: [&Vertex; 3], id: u32, origin: [i32; 2]) {
     fine.draw_where(corners, id, origin, |_| true);
 }
 

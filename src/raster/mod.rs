@@ -2,11 +2,11 @@
 //!
 //! Vertices are projected in parallel, triangles and lines are sorted into tiles of 32 x 32 pixels, and tiles are drawn
 //! in parallel: first the triangles that show their outside, then those that show their inside, most of which are found
-//! hidden before they are set up. A tile keeps depth and triangle number of four samples a pixel; of equal depths the
-//! lower number is seen, so the order of drawing does not matter. Light is computed once for each triangle seen in a
-//! pixel, after everything hidden has fallen away. Pixels in which an edge is then seen are drawn once more with
-//! sixteen samples. At last hollows are darkened, a shadow is laid on the ground, and lines are laid over all. Threads
-//! divide tiles, never a sum: the bytes are the same for any number of threads.
+//! hidden before their pixels are looked at. A tile keeps depth and triangle number of four samples a pixel; of equal
+//! depths the lower number is seen, so the order of drawing does not matter. Light is computed once for each triangle
+//! seen in a pixel, after everything hidden has fallen away. Pixels in which an edge is then seen are drawn once more
+//! with sixteen samples. At last hollows are darkened, a shadow is laid on the ground, and lines are laid over all.
+//! Threads divide tiles, never a sum: the bytes are the same for any number of threads.
 
 mod binned_model;
 mod bins;

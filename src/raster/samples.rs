@@ -16,8 +16,9 @@ pub(super) struct Samples {
     pub(super) depth: Vec<[f32; SAMPLES]>,
     /// The triangle seen at each sample.
     pub(super) owner: Vec<[u32; SAMPLES]>,
-    /// The triangles that wait.
+    /// The triangles that wait to be drawn with others.
     waiting: TriangleBlock,
+    /// [`PLACE_ROWS`] in memory.
     places: PlaceRows,
     /// No sample is farther than this.
     farthest: f32,
@@ -60,19 +61,19 @@ impl Samples {
     pub(super) fn clear(&mut self) {
         self.depth.fill([0.0; SAMPLES]);
         self.owner.fill([NOBODY; SAMPLES]);
-        (self.farthest, self.visited) = (0.0, 0);
+        (self.farthest, self.visited, self.waiting.n) = (0.0, 0, 0);
     }
 
     /// Begins anew with nothing in front of what stands in `others`, which is not seen itself.
     pub(super) fn begin_before(&mut self, others: &Self) {
         self.depth.copy_from_slice(&others.depth);
         self.owner.fill([NOBODY; SAMPLES]);
-        (self.farthest, self.visited) = (0.0, 0);
+        (self.farthest, self.visited, self.waiting.n) = (0.0, 0, 0);
     }
 
-    /// Draws one triangle into the tile whose first pixel is `origin`, at once or when [`Samples::settle`] is called. Of
-    /// triangles with equal depth at a sample that with the lower number is seen, so that the order of drawing does not
-    /// matter.
+    /// Draws one triangle into the tile whose first pixel is `origin`, at once or when [`Samples::settle`] is called.
+    /// Of triangles with equal depth at a sample that with the lower number is seen, so that the order of drawing does
+    /// not matter.
     #[inline]
     pub(super) fn draw(&mut self, corners: [&Vertex; 3], id: u32, origin: [i32; 2]) {
         self.waiting.push(corners, id);
@@ -83,8 +84,10 @@ impl Samples {
 
     /// Draws the triangles that wait.
     pub(super) fn settle(&mut self, origin: [i32; 2]) {
-        draw_everywhere(self, origin);
-        self.waiting.n = 0;
+        if self.waiting.n > 0 {
+            draw_everywhere(self, origin);
+            self.waiting.n = 0;
+        }
     }
 
     /// Draws one triangle like [`Samples::draw`], at once, at those places of the tile where it is there.

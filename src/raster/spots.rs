@@ -88,6 +88,7 @@ impl Spots {
         self.waiting = 0;
     }
 
+    /// Returns the normals and the places of all spots, component by component, in a tile that begins at `corner`.
     fn shape(&self, corner: [f32; 2]) -> SpotShape {
         let mut shape = SpotShape { normal: [[0.0; SPOT_LANES]; 4], place: [[0.0; SPOT_LANES]; 2] };
         for i in 0..SPOT_LANES {

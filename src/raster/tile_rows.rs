@@ -39,7 +39,7 @@ struct EncodedRow {
 }
 
 impl TileWriter {
-    /// Writes the pixels of one row of a tile, from pixel `place` of the picture on.
+    /// Writes the pixels of one row of a tile; the first is at `[left, y]` in the picture.
     pub(super) fn write(
         &self,
         tile: Option<&Drawn>,

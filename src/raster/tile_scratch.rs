@@ -128,12 +128,10 @@ impl TileScratch {
                     watch.check()?;
                 }
                 match hiding(model, id, self.glass.is_some()) {
-                    Hiding::Wholly => self.fine.draw(model.corners(id).map(|corner| *corner), id, origin),
+                    Hiding::Wholly => self.fine.draw(model.corners(id), id, origin),
                     Hiding::InPlaces => {
                         let alpha = alphas(model, id, origin);
-                        self.fine.draw_where(model.corners(id).map(|corner| *corner), id, origin, |place| {
-                            alpha(place) >= OPAQUE_ALPHA
-                        });
+                        self.fine.draw_where(model.corners(id), id, origin, |place| alpha(place) >= OPAQUE_ALPHA);
                     }
                     Hiding::Partly | Hiding::Never => {}
                 }

@@ -143,6 +143,7 @@ pub(super) enum TileEdge {
 /// Half of it leaves some triangles of a few pixels to the general way; twice of it overflows.
 pub(super) const NEAR_ORIGIN: i32 = 1 << 14;
 
+/// Returns how the edge from `a` to `b`, in steps, lies to the tile whose first pixel is `origin`.
 pub(super) fn edge(a: [i32; 2], b: [i32; 2], origin: [i32; 2]) -> TileEdge {
     let (dx, dy) = (i64::from(b[0] - a[0]), i64::from(b[1] - a[1]));
     let counts = dy > 0 || (dy == 0 && dx > 0);

@@ -120,7 +120,8 @@ impl TriangleBlock {
 }
 
 impl BlockSetup {
-    /// Prepares triangles for the tile whose first pixel is `origin`. There are no branches, so that it is vector code.
+    /// Prepares triangles for the tile whose first pixel is `origin`. There are no branches but
+    /// for triangles far from the tile, so that it is vector code.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
     pub(super) fn of(block: &TriangleBlock, origin: [i32; 2]) -> Self {
@@ -161,13 +162,14 @@ impl BlockSetup {
         let places = CornerPlaces::of(block, &setup.area);
         setup.add_edges(&places, corner);
         setup.add_depths(block, corner);
-        if setup.is_near.contains(&false) {
+        if setup.is_near[..block.n.min(BLOCK_TRIANGLES)].contains(&false) {
             setup.add_far_edges(&places, origin);
         }
         setup
     }
 
-    /// Sets the edge functions at the corner of the first pixel, for triangles whose corners are near.
+    /// Sets the edge functions at the corner of the first pixel, for triangles whose corners are near: there, every
+    /// edge is taken to cross the tile.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
     fn add_edges(&mut self, corners: &CornerPlaces, corner: [i32; 2]) {
@@ -246,7 +248,10 @@ impl BlockSetup {
     #[cold]
     #[inline(never)]
     fn add_far_edges(&mut self, corners: &CornerPlaces, origin: [i32; 2]) {
-        for i in (0..BLOCK_TRIANGLES).filter(|i| !self.is_near[*i]) {
+        for i in 0..BLOCK_TRIANGLES {
+            if self.is_near[i] || self.pixels(i).is_none() {
+                continue;
+            }
             for k in 0..3 {
                 let at = |k: usize| [corners.x[k][i], corners.y[k][i]];
                 let (value, right, down) = match edge(at(k), at((k + 1) % 3), origin) {

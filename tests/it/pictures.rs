@@ -188,6 +188,6 @@ fn cameras_that_look_nowhere_are_refused_at_their_place() {
     };
     assert_eq!(at_itself("png")[0].pointer, "/outputs/0/camera/eye");
     assert_eq!(at_itself("svg")[0].pointer, "/outputs/0/camera/eye");
-    // up along the view is no fault: a camera that looks straight down has its own
+    // up along the view is no fault: it then takes another up
     png(&json!({ "camera": { "eye": [0, 9, 0], "target": [0, 0, 0], "up": [0, 1, 0] } }));
 }

@@ -5,6 +5,7 @@ use super::view_box::{BOX, BOX_FIELDS, LEGEND_PX};
 use crate::fault::Fault;
 use crate::math::parameter::{Value, Values};
 use crate::math::vector::{Vector, minus, times};
+use crate::output::counts::ShapeKind;
 use crate::raster::{Camera, Projection, View};
 
 /// Sets the box that the camera frames, and the width in pixels that is left free for a legend.
@@ -18,9 +19,10 @@ pub(crate) fn boxed(values: &mut Values, [min, max]: [Vector; 2], legend_px: u32
     values.set(&CAMERA, Value::Group(camera));
 }
 
-/// Refuses a camera that looks nowhere, and one to which nothing is up.
-pub(crate) fn check(values: &Values) -> Result<(), Fault> {
-    let Some(camera) = values.group(CAMERA.name) else { return Ok(()) };
+/// Refuses a camera that looks nowhere, and one to which nothing is up, where they count: not for curves in the plane.
+pub(crate) fn check(kind: ShapeKind, values: &Values) -> Result<(), Fault> {
+    let is_plane = matches!(kind, ShapeKind::Curves { dimension: 1..=2 });
+    let Some(camera) = values.group(CAMERA.name).filter(|_| !is_plane) else { return Ok(()) };
     let is_nothing = |v: Vector| v.iter().all(|c| c.abs() <= 0.0);
     if camera.vector("up").is_some_and(is_nothing) {
         let detail = "a direction of length 0 points nowhere; give one like [0, 1, 0], or leave it out";
