@@ -1,10 +1,12 @@
 //! Laws of the rasteriser.
 
-use super::bins::TILE;
-use super::project::Vertex;
+use super::binned_model::BinnedModel;
+use super::bins::{TILE, TileGrid};
+use super::project::{BEHIND, RIGHT, Vertex, vertex};
 use super::samples::Samples;
 use super::triangle::{NOBODY, SAMPLES};
 use super::*;
+use crate::math::vector::{plus, times};
 use crate::watch::{Stopped, Watch};
 
 fn at(x: f64, y: f64) -> Vertex {
@@ -233,4 +235,25 @@ fn slivers_cover_the_samples_inside_them_and_look_at_few_pixels_beside() {
         let all = (TILE * TILE) as u64;
         assert!(samples.done().pixels < all / 2, "sliver {k}");
     }
+}
+
+/// Beyond the picture, the last tiles have pixels too, whose edges mark those at the border.
+#[test]
+fn pieces_that_lie_beside_the_picture_are_drawn_into_its_last_tiles() {
+    let camera = Camera::framing(&View::default(), &[&[[0.0; 3], [1.0; 3]]], 70, 70);
+    let seen = |right: f64, up: f64, forward: f64| {
+        let aside = plus(times(right, camera.right), times(up, camera.up));
+        plus(camera.eye, plus(aside, times(forward, camera.forward)))
+    };
+    let on_picture = |[x, y]: [f64; 2]| seen((x - 35.0) / camera.focal_px, (35.0 - y) / camera.focal_px, 1.0);
+    let positions = [on_picture([74.0, 20.0]), on_picture([80.0, 50.0]), seen(1.0, 0.0, -0.5)];
+    let surface = TriangleAppearance::Lit([200; 4]);
+    let normals = ShadingNormals::Planes;
+    let model = Model { positions: &positions, triangles: &[[0, 1, 2]], normals, surface, strokes: &[] };
+    let grid = TileGrid::of(70, 70);
+    let binned = BinnedModel::new(&model, &camera, grid, &Watch::new()).expect("nobody says stop");
+    assert!(positions[..2].iter().all(|&p| vertex(&camera, camera.view(p)).sides == RIGHT));
+    assert_eq!(vertex(&camera, camera.view(positions[2])).sides, BEHIND);
+    let touched: Vec<usize> = (0..9).filter(|&tile| binned.touches(tile)).collect();
+    assert!(touched.contains(&2), "the last tile of the first row, of {touched:?}");
 }
