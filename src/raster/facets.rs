@@ -20,7 +20,8 @@ pub(super) struct Facets {
 
 impl Default for Facets {
     fn default() -> Self {
-        let known = Box::new([Facet::default(); CACHED_FACETS]);
+        let known = vec![Facet::default(); CACHED_FACETS].into_boxed_slice();
+        let known = known.try_into().expect("there are as many");
         Self { owners: Box::new([NOBODY; CACHED_FACETS]), known, tints: Vec::new() }
     }
 }
