@@ -135,7 +135,7 @@ const EDGE_LIGHT: [f32; 2] = [0.012, 0.06];
 #[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
 fn add(spots: &Spots, [red, green, blue]: &[SpotRow; 3], light: &mut [[f32; 4]], marks: &mut PixelSet) {
     for i in 0..spots.waiting.min(SPOT_LANES) {
-        // the share of the last component is never different, and grows as the others do
+        // the last component is the share of the pixel: it never differs, and is added like the others
         let (color, share) = ([red[i], green[i], blue[i], 1.0], spots.share[i]);
         let sum = &mut light[spots.pixel[i] as usize];
         let mut differs = [false; 4];
