@@ -11,7 +11,8 @@ use multiversion::multiversion;
 
 use super::bins::TILE;
 use super::camera::{Camera, Projection};
-use super::ground::{GroundFrame, SHADOW_REACH, darkness};
+use super::ground::{GroundFrame, SHADOW_REACH};
+use super::height_map::darkness;
 use super::model::{Model, TriangleAppearance};
 use crate::math::vector::{Vector, dot, minus, plus, times};
 use crate::watch::{Stopped, Watch};

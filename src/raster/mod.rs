@@ -24,6 +24,7 @@ mod forecast;
 mod ground;
 #[cfg(test)]
 mod grounding_tests;
+mod height_map;
 mod lighter;
 mod line;
 mod model;

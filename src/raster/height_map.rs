@@ -1,0 +1,267 @@
+//! The least height of a model above each cell of a map of the ground, and how dark it makes the ground.
+
+#![expect(clippy::cast_precision_loss, reason = "cells are counted in hundreds")]
+#![expect(clippy::cast_possible_truncation, reason = "places are clamped to the map before the cast")]
+#![expect(clippy::cast_sign_loss, reason = "places are clamped to the map before the cast")]
+#![expect(
+    clippy::needless_bitwise_bool,
+    clippy::needless_range_loop,
+    reason = "loops without branches are vector code"
+)]
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use multiversion::multiversion;
+use rayon::prelude::*;
+
+use super::ground::{GroundFrame, ITEMS_PER_TASK, Place, SHADOW_REACH};
+use super::pixmap::rounded_down;
+use crate::watch::{Stopped, Watch};
+
+/// Height up to which parts darken the ground, as a fraction of half the longer side of the model. Half of it leaves
+/// the shadows of feet only; twice of it makes a shadow of the whole model.
+const DARKENING_HEIGHT: f32 = 0.4;
+
+/// Height up to which parts touch the ground and cast the dark shadow of contact, as a fraction of half the longer
+/// side. Half of it leaves thin lines below round parts; twice of it darkens the ground below parts that clearly hover.
+const TOUCHING_HEIGHT: f32 = 0.1;
+
+/// Fractions of the light removed below parts that touch the ground, and below parts just above it. They are a matter
+/// of taste: halves are hardly visible, and twice of them is black.
+const SHADOW_DARKNESS: [f32; 2] = [0.5, 0.36];
+
+/// A map of the ground: places times `scale` plus `shift` are counted in cells from its corner; heights are unchanged.
+struct GroundMap {
+    cells: u32,
+    scale: Place,
+    shift: Place,
+    /// The last cell of a row or column.
+    last: f32,
+}
+
+/// Sampled places that are looked at together: eight numbers of 32 bits fill a vector register of 256 bits. Half of it
+/// leaves half of that empty; twice of it looks at more places beside small triangles in vain.
+const PLACE_LANES: usize = 8;
+
+/// Sampled places of triangles whose sides have up to this number of parts are tabled. Half of it leaves triangles of
+/// some cells to the slower way, which takes one place after the other; twice of it is a table for few triangles.
+const TABLED_PARTS: usize = 14;
+
+/// Returns the number of sampled places of a triangle whose sides have so many parts.
+const fn n_places(parts: usize) -> usize {
+    (parts + 1) * (parts + 2) / 2
+}
+
+/// Numbers of parts to the second and to the third corner for each sampled place of a triangle, in the order of their
+/// sum, so that the places of triangles with fewer parts come first.
+static PLACE_STEPS: [[[f32; PLACE_LANES]; 2]; n_places(TABLED_PARTS) / PLACE_LANES] = {
+    let mut steps = [[[0.0; PLACE_LANES]; 2]; n_places(TABLED_PARTS) / PLACE_LANES];
+    let (mut sum, mut place) = (0, 0);
+    while sum <= TABLED_PARTS {
+        let mut down = 0;
+        while down <= sum {
+            let (block, lane) = (place / PLACE_LANES, place % PLACE_LANES);
+            (steps[block][0][lane], steps[block][1][lane]) = ((sum - down) as f32, down as f32);
+            (down, place) = (down + 1, place + 1);
+        }
+        sum += 1;
+    }
+    steps
+};
+
+impl GroundFrame<'_> {
+    /// Returns the least height of the model above each cell; `None` if more than `most` places of triangles would have
+    /// to be sampled.
+    pub(super) fn heights(&self, cells: usize, most: u64, watch: &Watch) -> Result<Option<Vec<f32>>, Stopped> {
+        let map = GroundMap::new(cells);
+        let far = || vec![DARKENING_HEIGHT; cells * cells];
+        let lower = |mut a: Vec<f32>, b: Vec<f32>| {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a = a.min(b));
+            a
+        };
+        let sampled = AtomicU64::new(0);
+        let part = self.triangles.len().div_ceil(8).max(ITEMS_PER_TASK);
+        let of = |list: &[[u32; 3]]| {
+            let mut heights = far();
+            for list in list.chunks(4096) {
+                watch.check()?;
+                let n_places = lay(&map, (&self.places, list), &mut heights, most);
+                if sampled.fetch_add(n_places, Ordering::Relaxed) + n_places > most {
+                    break;
+                }
+            }
+            Ok(heights)
+        };
+        let heights = self.triangles.par_chunks(part).map(of).try_reduce(far, |a, b| Ok::<_, Stopped>(lower(a, b)))?;
+        Ok((sampled.into_inner() <= most).then_some(heights))
+    }
+}
+
+/// Lowers the cells below triangles to their heights there. Returns the number of sampled places, or a number above
+/// `most` without more than that. Wider vectors give the same bits.
+#[multiversion(targets("x86_64+avx2"))]
+fn lay(map: &GroundMap, (places, triangles): (&[Place], &[[u32; 3]]), heights: &mut [f32], most: u64) -> u64 {
+    let mut n_places = 0;
+    for &[a, b, c] in triangles {
+        let (a, b, c) = (&places[a as usize], &places[b as usize], &places[c as usize]);
+        if !((a[2] < DARKENING_HEIGHT) | (b[2] < DARKENING_HEIGHT) | (c[2] < DARKENING_HEIGHT)) {
+            continue;
+        }
+        let (a, b, c) = (map.place(a), map.place(b), map.place(c));
+        let mut is_small = [false; 4];
+        for k in 0..4 {
+            let sides = [(a[k] - b[k]).abs(), (b[k] - c[k]).abs(), (c[k] - a[k]).abs()];
+            is_small[k] = (sides[0] <= SMALL[k]) & (sides[1] <= SMALL[k]) & (sides[2] <= SMALL[k]);
+        }
+        if is_small[0] & is_small[1] & is_small[2] & is_small[3] {
+            n_places += 2;
+            map.lower(heights, a);
+        } else {
+            n_places += map.lay(&[a, b, c], heights, most);
+        }
+        if n_places > most {
+            break;
+        }
+    }
+    n_places
+}
+
+/// The largest sides of a triangle that counts as a single place, in cells; all heights will do that are numbers.
+const SMALL: Place = [1.0, 1.0, f32::MAX, f32::MAX];
+
+impl GroundMap {
+    fn new(cells: usize) -> Self {
+        let half = 0.5 * cells as f32;
+        let scale = half / (1.0 + SHADOW_REACH as f32);
+        let (scale, shift) = ([scale, scale, 1.0, 1.0], [half, half, 0.0, 0.0]);
+        Self { cells: cells as u32, scale, shift, last: (cells - 1) as f32 }
+    }
+
+    #[expect(clippy::inline_always, reason = "only code inside of `lay` uses its wider vectors")]
+    #[inline(always)]
+    fn place(&self, place: &Place) -> Place {
+        let mut on_map = [0.0; 4];
+        for k in 0..4 {
+            on_map[k] = place[k] * self.scale[k] + self.shift[k];
+        }
+        on_map
+    }
+
+    /// Returns the number of the cell at a place.
+    #[expect(clippy::inline_always, reason = "only code inside of `lay` uses its wider vectors")]
+    #[inline(always)]
+    fn cell(&self, x: f32, y: f32) -> u32 {
+        let (x, y) = (if x > 0.0 { x } else { 0.0 }, if y > 0.0 { y } else { 0.0 });
+        let (x, y) = (if x < self.last { x } else { self.last }, if y < self.last { y } else { self.last });
+        rounded_down(y) * self.cells + rounded_down(x)
+    }
+
+    /// Lowers the cell at a place to its height.
+    #[expect(clippy::inline_always, reason = "only code inside of `lay` uses its wider vectors")]
+    #[inline(always)]
+    fn lower(&self, heights: &mut [f32], [x, y, height, _]: Place) {
+        let least = &mut heights[self.cell(x, y) as usize];
+        *least = if height < *least { height } else { *least };
+    }
+
+    /// Lowers the cells below a triangle that is larger than a cell; returns the number of sampled places. If it is
+    /// above `most`, none are.
+    #[expect(clippy::inline_always, reason = "only code inside of `lay` uses its wider vectors")]
+    #[inline(always)]
+    fn lay(&self, corners: &[Place; 3], heights: &mut [f32], most: u64) -> u64 {
+        if !corners.as_flattened().iter().all(|u| u.is_finite()) {
+            return 0;
+        }
+        let [a, b, c] = corners;
+        let parts = parts(corners);
+        let n_sampled = (parts as u64).saturating_add(1).saturating_pow(2) / 2;
+        if n_sampled > most {
+            return n_sampled;
+        }
+        if parts == 1 {
+            self.lower(heights, *a);
+            return n_sampled;
+        }
+        let step = 1.0 / parts as f32;
+        let [mut right, mut down] = [[0.0; 4]; 2];
+        for k in 0..4 {
+            (right[k], down[k]) = (step * (b[k] - a[k]), step * (c[k] - a[k]));
+        }
+        if parts > TABLED_PARTS {
+            for j in 0..=parts {
+                for i in 0..=parts - j {
+                    let at = |k: usize| a[k] + i as f32 * right[k] + j as f32 * down[k];
+                    self.lower(heights, [at(0), at(1), at(2), 0.0]);
+                }
+            }
+            return n_sampled;
+        }
+        let mut rest = n_places(parts);
+        for steps in PLACE_STEPS.iter().take(rest.div_ceil(PLACE_LANES)) {
+            let (mut cell, mut height) = ([0; PLACE_LANES], [0.0; PLACE_LANES]);
+            for lane in 0..PLACE_LANES {
+                let at = |k: usize| a[k] + steps[0][lane] * right[k] + steps[1][lane] * down[k];
+                (cell[lane], height[lane]) = (self.cell(at(0), at(1)), at(2));
+            }
+            for (cell, height) in cell.into_iter().zip(height).take(rest) {
+                let least = &mut heights[cell as usize];
+                *least = if height < *least { height } else { *least };
+            }
+            rest = rest.saturating_sub(PLACE_LANES);
+        }
+        n_sampled
+    }
+}
+
+/// Returns the number of parts into which each side of a triangle is divided, so that no cell below it is missed.
+#[expect(clippy::inline_always, reason = "only code inside of `lay` uses its wider vectors")]
+#[inline(always)]
+fn parts(corners: &[Place; 3]) -> usize {
+    let side = |a: &Place, b: &Place| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+    let longest =
+        side(&corners[0], &corners[1]).max(side(&corners[1], &corners[2])).max(side(&corners[2], &corners[0]));
+    if longest <= 1.0 { 1 } else { longest.ceil() as usize }
+}
+
+/// Returns the fraction of its light that each cell loses.
+pub(super) fn darkness(heights: &[f32], cells: usize) -> Vec<f32> {
+    let side = cells as f32;
+    let soft = |high: f32, share: f32| {
+        let weight = |height: &f32| {
+            let rest = (1.0 - height / high).max(0.0);
+            rest * rest
+        };
+        smoothed(heights.iter().map(weight).collect(), cells, ((share * side) as usize).max(1))
+    };
+    let (near, wide) = rayon::join(|| soft(TOUCHING_HEIGHT, 0.011), || soft(DARKENING_HEIGHT, 0.05));
+    let mixed = near
+        .iter()
+        .zip(&wide)
+        .map(|(near, wide)| 1.0 - (1.0 - SHADOW_DARKNESS[0] * near) * (1.0 - SHADOW_DARKNESS[1] * wide));
+    mixed.collect()
+}
+
+/// Returns the map after three box filters of `2 reach + 1` cells, which approximate a Gaussian.
+fn smoothed(mut map: Vec<f32>, cells: usize, reach: usize) -> Vec<f32> {
+    let share = 1.0 / (2 * reach + 1) as f32;
+    let reach = reach.min(cells);
+    let mut sums = vec![0.0; map.len()];
+    let add = |sums: &mut [f32], row: &[f32]| sums.iter_mut().zip(row).for_each(|(sum, cell)| *sum += cell);
+    let scale = |sums: &mut [f32]| sums.iter_mut().for_each(|sum| *sum *= share);
+    for _ in 0..3 {
+        // each sum from left to right, then from top to bottom, those of a row side by side
+        for (row, sums) in map.chunks(cells).zip(sums.chunks_mut(cells)) {
+            sums.fill(0.0);
+            (1..=reach).rev().for_each(|left| add(&mut sums[left..], row));
+            (0..=reach).for_each(|right| add(sums, &row[right..]));
+            scale(sums);
+        }
+        for (y, row) in map.chunks_mut(cells).enumerate() {
+            row.fill(0.0);
+            let (first, last) = (y.saturating_sub(reach), (y + reach).min(cells - 1));
+            sums[first * cells..(last + 1) * cells].chunks(cells).for_each(|sums| add(row, sums));
+            scale(row);
+        }
+    }
+    map
+}
