@@ -67,6 +67,10 @@ impl Facet {
 /// Number of sub-pixel steps per pixel.
 const STEP: f64 = STEPS_A_PIXEL as f64;
 
+/// Triangles between two questions whether to stop. Half of it asks when nobody stopped yet; twice of it may take a
+/// hundredth of a second if all cover the tile.
+pub(super) const LISTED_TRIANGLES: usize = 4096;
+
 /// The visible triangles of one run.
 struct TriangleRun {
     /// The front-facing triangles, and the back-facing ones.
@@ -122,7 +126,8 @@ impl<'a> BinnedModel<'a> {
             .enumerate()
             .map(|(i, list)| {
                 watch.check()?;
-                let mut run_of = TriangleRun { found: Default::default(), pieces: Vec::new() };
+                let found = [(); 2].map(|()| Vec::with_capacity(list.len()));
+                let mut run_of = TriangleRun { found, pieces: Vec::new() };
                 let mut block = TriangleBlock::default();
                 for (first, list) in (i * run..).step_by(BLOCK_TRIANGLES).zip(list.chunks(BLOCK_TRIANGLES)) {
                     let first = u32::try_from(first).expect("fewer than 2^32 triangles");
@@ -142,7 +147,9 @@ impl<'a> BinnedModel<'a> {
         let first = u32::try_from(triangles.len()).expect("fewer than 2^32 triangles");
         for (mut bins, pieces) in runs {
             let shift = u32::try_from(self.pieces.len()).expect("fewer than 2^32 pieces");
-            bins.iter_mut().for_each(|bins| bins.shift_from(first, shift));
+            if shift > 0 {
+                bins.iter_mut().for_each(|bins| bins.shift_from(first, shift));
+            }
             self.pieces.extend(pieces);
             self.runs.push(bins);
         }
@@ -178,9 +185,10 @@ impl<'a> BinnedModel<'a> {
     }
 
     /// Returns the front-facing or the back-facing triangles that may touch a tile, without some that are farther than
-    /// `depth`.
-    pub(super) fn tile(&self, tile: usize, is_back: bool, depth: f32) -> impl Iterator<Item = u32> + '_ {
-        self.runs.iter().flat_map(move |bins| bins[usize::from(is_back)].tile_from(tile, depth))
+    /// `depth`, in lists of at most [`LISTED_TRIANGLES`].
+    pub(super) fn tile(&self, tile: usize, is_back: bool, depth: f32) -> impl Iterator<Item = &[u32]> + '_ {
+        let lists = self.runs.iter().flat_map(move |bins| bins[usize::from(is_back)].tile_from(tile, depth));
+        lists.flat_map(|list| list.chunks(LISTED_TRIANGLES))
     }
 
     #[inline]
@@ -243,7 +251,7 @@ impl<'a> BinnedModel<'a> {
         let local: [[f64; 2]; 3] =
             std::array::from_fn(|k| [f64::from(corners[k].x) / STEP - left, f64::from(corners[k].y) / STEP - top]);
         let back = area(&corners) > 0;
-        let mut facet = Facet::default();
+        let [mut bases, mut rights, mut downs] = [[0.0; 4]; 3];
         let unit = if back { 1.0 } else { -1.0 };
         let nearness = unit / f64::from(corners[0].depth);
         let mut weights = [[0.0; 3]; 3];
@@ -255,14 +263,15 @@ impl<'a> BinnedModel<'a> {
             let base = (planar::cross(a, b) * weight) as f32;
             weights[k] = [base, right, down];
             let normal = [normals[k][0] as f32, normals[k][1] as f32, normals[k][2] as f32, 0.0];
-            for (axis, along) in normal.into_iter().enumerate() {
-                facet.base[axis] += base * along;
-                facet.right[axis] += right * along;
-                facet.down[axis] += down * along;
+            for axis in 0..4 {
+                bases[axis] += base * normal[axis];
+                rights[axis] += right * normal[axis];
+                downs[axis] += down * normal[axis];
             }
         }
         // exactly, even where depths are so far apart that sums are no numbers
-        (facet.base[3], facet.right[3], facet.down[3]) = (if back { 1.0 } else { 0.0 }, 0.0, 0.0);
+        (bases[3], rights[3], downs[3]) = (if back { 1.0 } else { 0.0 }, 0.0, 0.0);
+        let facet = Facet { base: bases, right: rights, down: downs };
         (facet, self.paint.as_ref().map(|paint| Tint::new(&self.painted(paint, id), &weights)))
     }
 }

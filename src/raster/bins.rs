@@ -9,9 +9,8 @@ pub(super) const TILE: usize = 32;
 pub(super) struct TileRect {
     /// The first tile; tiles are numbered row by row from the top.
     pub(super) first: u32,
-    /// The numbers of further columns to the right and of further rows below.
-    pub(super) across: u16,
-    pub(super) down: u16,
+    /// How many tiles there are beside the first one, see [`TileRect::more`].
+    pub(super) more: u32,
 }
 
 impl TileRect {
@@ -25,25 +24,42 @@ impl TileRect {
         let [left, top, right, bottom] = [tile(left), tile(top), tile(right), tile(bottom)];
         (left < grid.columns && top < grid.rows).then(|| Self {
             first: u32::from(top) * u32::from(grid.columns) + u32::from(left),
-            across: right.min(grid.columns - 1) - left,
-            down: bottom.min(grid.rows - 1) - top,
+            more: Self::more((right.min(grid.columns - 1) - left).into(), (bottom.min(grid.rows - 1) - top).into()),
         })
+    }
+
+    /// Returns the numbers of further columns to the right and of further rows below, below 2^16 each, as one number:
+    /// 0 for a single tile.
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
+    #[inline(always)]
+    pub(super) fn more(across: u32, down: u32) -> u32 {
+        across | down << 16
     }
 
     /// Calls a function with the number of each tile, in a grid of so many columns.
     #[inline]
     fn each(self, columns: usize, mut at: impl FnMut(usize)) {
         let first = self.first as usize;
-        if self.across | self.down == 0 {
+        if self.more == 0 {
             return at(first);
         }
-        for row in 0..=usize::from(self.down) {
-            (0..=usize::from(self.across)).for_each(|column| at(first + row * columns + column));
+        let [across, down] = self.numbers();
+        for row in 0..=down {
+            (0..=across).for_each(|column| at(first + row * columns + column));
         }
     }
 
-    fn tiles(self) -> usize {
-        (usize::from(self.across) + 1) * (usize::from(self.down) + 1)
+    /// Returns the numbers of further columns and rows.
+    #[inline]
+    fn numbers(self) -> [usize; 2] {
+        [self.more as usize & 0xffff, self.more as usize >> 16]
+    }
+
+    /// Returns whether it has more than [`FEW_TILES`].
+    #[inline]
+    fn is_large(self) -> bool {
+        let [across, down] = self.numbers();
+        self.more != 0 && (across + 1) * (down + 1) > FEW_TILES
     }
 }
 
@@ -92,45 +108,52 @@ impl Bins {
             return Self::default();
         }
         let columns = usize::from(grid.columns);
-        let mut starts = vec![0_u32; grid.len() + 2];
-        let mut nearest = vec![0.0_f32; grid.len()];
+        // the number of items of each tile, and their largest depth
+        let mut tiles = vec![(0_u32, 0.0_f32); grid.len()];
         let mut large = Vec::new();
         for &(item, rect, depth) in found {
-            if rect.tiles() > FEW_TILES {
+            if rect.is_large() {
                 large.push(item);
-            } else {
-                rect.each(columns, |tile| {
-                    starts[tile + 2] += 1;
-                    nearest[tile] = nearest[tile].max(depth);
-                });
+                continue;
             }
-        }
-        for tile in 2..starts.len() {
-            starts[tile] += starts[tile - 1];
-        }
-        let mut items = vec![0; starts[starts.len() - 1] as usize];
-        for &(item, rect, _) in found.iter().filter(|(_, rect, _)| rect.tiles() <= FEW_TILES) {
             rect.each(columns, |tile| {
-                items[starts[tile + 1] as usize] = item;
-                starts[tile + 1] += 1;
+                let (n, nearest) = &mut tiles[tile];
+                *n += 1;
+                *nearest = if depth > *nearest { depth } else { *nearest };
             });
         }
+        let mut starts = Vec::with_capacity(tiles.len() + 1);
+        let mut n_items = 0;
+        for (n, _) in &mut tiles {
+            starts.push(n_items);
+            (*n, n_items) = (n_items, n_items + *n);
+        }
+        starts.push(n_items);
+        let mut items = vec![0; n_items as usize];
+        for &(item, rect, _) in found.iter().filter(|(_, rect, _)| !rect.is_large()) {
+            rect.each(columns, |tile| {
+                let next = &mut tiles[tile].0;
+                items[*next as usize] = item;
+                *next += 1;
+            });
+        }
+        let nearest = tiles.into_iter().map(|(_, nearest)| nearest).collect();
         Self { starts, items, large, nearest }
     }
 
     /// Returns every item that may touch tile `tile`; tiles are numbered row by row from the top.
     pub(super) fn tile(&self, tile: usize) -> impl Iterator<Item = u32> + '_ {
-        self.tile_from(tile, 0.0)
+        self.tile_from(tile, 0.0).into_iter().flatten().copied()
     }
 
     /// Returns the items of [`Bins::tile`], or only the large ones if no other has a depth of at least `depth`.
-    pub(super) fn tile_from(&self, tile: usize, depth: f32) -> impl Iterator<Item = u32> + '_ {
+    pub(super) fn tile_from(&self, tile: usize, depth: f32) -> [&[u32]; 2] {
         let own = if self.starts.is_empty() || self.nearest[tile] < depth {
             0..0
         } else {
             self.starts[tile] as usize..self.starts[tile + 1] as usize
         };
-        self.large.iter().chain(&self.items[own]).copied()
+        [&self.large, &self.items[own]]
     }
 
     /// Adds `shift` to every item from `first` on.

@@ -16,10 +16,9 @@ use super::triangle_block::{BLOCK_TRIANGLES, BlockRow, TriangleBlock};
 /// What becomes of the triangles of a block.
 pub(super) struct BlockFates {
     fate: BlockRow<u32>,
-    /// The first tile, and the numbers of further columns and rows.
+    /// The first tile, and how many more there are.
     first: BlockRow<u32>,
-    across: BlockRow<u32>,
-    down: BlockRow<u32>,
+    more: BlockRow<u32>,
     nearest: BlockRow<f32>,
 }
 
@@ -49,13 +48,12 @@ impl BlockFates {
     /// Returns what becomes of a triangle of the block.
     #[inline]
     pub(super) fn at(&self, i: usize) -> TriangleFate {
-        let more = |number: u32| u16::try_from(number).unwrap_or(u16::MAX);
         match self.fate[i] {
             UNSEEN => TriangleFate::Unseen,
             CUT => TriangleFate::Cut,
             side => TriangleFate::Seen {
                 is_back: side == BACK,
-                rect: TileRect { first: self.first[i], across: more(self.across[i]), down: more(self.down[i]) },
+                rect: TileRect { first: self.first[i], more: self.more[i] },
                 nearest: self.nearest[i],
             },
         }
@@ -68,7 +66,7 @@ impl BlockFates {
 fn fates(grid: TileGrid, block: &TriangleBlock) -> BlockFates {
     let (columns, rows) = (i32::from(grid.columns), i32::from(grid.rows));
     let row = [0; BLOCK_TRIANGLES];
-    let mut found = BlockFates { fate: row, first: row, across: row, down: row, nearest: [0.0; BLOCK_TRIANGLES] };
+    let mut found = BlockFates { fate: row, first: row, more: row, nearest: [0.0; BLOCK_TRIANGLES] };
     let mut area = [0.0; BLOCK_TRIANGLES];
     for i in 0..BLOCK_TRIANGLES {
         area[i] = block.area(i);
@@ -82,8 +80,9 @@ fn fates(grid: TileGrid, block: &TriangleBlock) -> BlockFates {
         let tile = |pixel: i32| pixel.max(0).div_euclid(TILE_PX);
         let (first_column, first_row) = (tile(left), tile(top));
         found.first[i] = (first_row * columns + first_column) as u32;
-        found.across[i] = (tile(right).min(columns - 1) - first_column) as u32;
-        found.down[i] = (tile(bottom).min(rows - 1) - first_row) as u32;
+        let across = tile(right).min(columns - 1) - first_column;
+        let down = tile(bottom).min(rows - 1) - first_row;
+        found.more[i] = TileRect::more(across as u32, down as u32);
         [_, found.nearest[i]] = TriangleBlock::range(&block.depth, i);
         let (a, b, c) = (block.sides[0][i], block.sides[1][i], block.sides[2][i]);
         let is_outside = a & b & c & !FAR_OUT != 0;

@@ -2,7 +2,7 @@
 
 use multiversion::multiversion;
 
-use super::binned_model::BinnedModel;
+use super::binned_model::{BinnedModel, LISTED_TRIANGLES};
 use super::bins::TILE;
 use super::fine::Fine;
 use super::forecast;
@@ -76,18 +76,22 @@ impl TileScratch {
         let has_clear = self.glass.is_some();
         // front faces mostly hide the back faces behind them
         for is_back in [false, true] {
-            for (n, id) in model.tile(tile, is_back, self.samples.farthest()).enumerate() {
-                if n % 4096 == 4095 {
-                    watch.check()?;
-                    watch.advance(forecast::rows(self.samples.done()));
-                }
-                match hiding(model, id, has_clear) {
-                    Hiding::Wholly => self.samples.draw(model.corners(id), id, origin),
-                    Hiding::InPlaces => {
-                        let alpha = alphas(model, id, origin);
-                        self.samples.draw_where(model.corners(id), id, origin, |place| alpha(place) >= OPAQUE_ALPHA);
+            for list in model.tile(tile, is_back, self.samples.farthest()) {
+                for &id in list {
+                    match hiding(model, id, has_clear) {
+                        Hiding::Wholly => self.samples.draw(model.corners(id), id, origin),
+                        Hiding::InPlaces => {
+                            let alpha = alphas(model, id, origin);
+                            let is_there = |place| alpha(place) >= OPAQUE_ALPHA;
+                            self.samples.draw_where(model.corners(id), id, origin, is_there);
+                        }
+                        Hiding::Partly | Hiding::Never => {}
                     }
-                    Hiding::Partly | Hiding::Never => {}
+                }
+                watch.check()?;
+                // the work of shorter lists is told after the tile
+                if list.len() == LISTED_TRIANGLES {
+                    watch.advance(forecast::rows(self.samples.done()));
                 }
             }
             self.samples.settle(origin);
@@ -123,17 +127,17 @@ impl TileScratch {
     ) -> Result<(), Stopped> {
         self.fine.begin(&self.lighter.marks);
         for is_back in [false, true] {
-            for (n, id) in model.tile(tile, is_back, 0.0).enumerate() {
-                if n % 4096 == 4095 {
-                    watch.check()?;
-                }
-                match hiding(model, id, self.glass.is_some()) {
-                    Hiding::Wholly => self.fine.draw(model.corners(id), id, origin),
-                    Hiding::InPlaces => {
-                        let alpha = alphas(model, id, origin);
-                        self.fine.draw_where(model.corners(id), id, origin, |place| alpha(place) >= OPAQUE_ALPHA);
+            for list in model.tile(tile, is_back, 0.0) {
+                watch.check()?;
+                for &id in list {
+                    match hiding(model, id, self.glass.is_some()) {
+                        Hiding::Wholly => self.fine.draw(model.corners(id), id, origin),
+                        Hiding::InPlaces => {
+                            let alpha = alphas(model, id, origin);
+                            self.fine.draw_where(model.corners(id), id, origin, |place| alpha(place) >= OPAQUE_ALPHA);
+                        }
+                        Hiding::Partly | Hiding::Never => {}
                     }
-                    Hiding::Partly | Hiding::Never => {}
                 }
             }
         }
@@ -152,18 +156,18 @@ impl TileScratch {
         let Some(Glass { samples, lighter }) = &mut self.glass else { return Ok(()) };
         for is_back in [true, false] {
             samples.begin_before(&self.samples);
-            for (n, id) in model.tile(tile, is_back, self.samples.farthest()).enumerate() {
-                if n % 4096 == 4095 {
-                    watch.check()?;
-                }
-                match hiding(model, id, true) {
-                    Hiding::Partly => samples.draw(model.corners(id), id, origin),
-                    Hiding::InPlaces => {
-                        let alpha = alphas(model, id, origin);
-                        let is_clear = |place| (1.0 - OPAQUE_ALPHA..OPAQUE_ALPHA).contains(&alpha(place));
-                        samples.draw_where(model.corners(id), id, origin, is_clear);
+            for list in model.tile(tile, is_back, self.samples.farthest()) {
+                watch.check()?;
+                for &id in list {
+                    match hiding(model, id, true) {
+                        Hiding::Partly => samples.draw(model.corners(id), id, origin),
+                        Hiding::InPlaces => {
+                            let alpha = alphas(model, id, origin);
+                            let is_clear = |place| (1.0 - OPAQUE_ALPHA..OPAQUE_ALPHA).contains(&alpha(place));
+                            samples.draw_where(model.corners(id), id, origin, is_clear);
+                        }
+                        Hiding::Wholly | Hiding::Never => {}
                     }
-                    Hiding::Wholly | Hiding::Never => {}
                 }
             }
             samples.settle(origin);
