@@ -3,19 +3,17 @@
 use rayon::prelude::*;
 
 use super::bins::{BinnedItem, Bins, TileGrid};
-use super::camera::{Camera, Projection, unit};
+use super::camera::{Camera, unit};
 use super::clip;
 use super::culling::{BlockFates, TriangleFate};
 use super::finish::Finisher;
 use super::line::StrokeLayer;
 use super::model::{Model, ShadingNormals, TriangleAppearance};
-use super::paint::{Paint, Tint};
-use super::project::{BEHIND, FAR_OUT, STEPS_A_PIXEL, Vertex, vertex, vertices};
+use super::paint::Paint;
+use super::project::{BEHIND, FAR_OUT, Vertex, vertex, vertices};
 use super::shade::Lamps;
-use super::triangle::area;
 use super::triangle_block::{BLOCK_TRIANGLES, TriangleBlock};
-use crate::math::planar;
-use crate::math::vector::{cross, minus};
+use crate::math::vector::{Vector, cross, minus};
 use crate::watch::{Stopped, Watch};
 
 /// A piece of a clipped triangle.
@@ -45,27 +43,6 @@ pub(super) struct BinnedModel<'a> {
     /// The finish; `None` if the surface is lit.
     pub(super) finisher: Option<Finisher>,
 }
-
-/// Interpolates the normals of a triangle over a tile. The last of four numbers is 1 if the back of the triangle is
-/// seen, else 0; four fill a vector register.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Facet {
-    /// Unnormalised normal at pixel (0, 0) of the tile, and its increments to the right and down.
-    base: [f32; 4],
-    right: [f32; 4],
-    down: [f32; 4],
-}
-
-impl Facet {
-    /// Returns the normal at a place in the tile, in pixels, whose length is arbitrary, and whether the back is seen.
-    #[inline]
-    pub(super) fn normal(&self, [x, y]: [f32; 2]) -> [f32; 4] {
-        std::array::from_fn(|k| self.base[k] + self.right[k] * x + self.down[k] * y)
-    }
-}
-
-/// Number of sub-pixel steps per pixel.
-const STEP: f64 = STEPS_A_PIXEL as f64;
 
 /// Triangles between two questions whether to stop. Half of it asks when nobody stopped yet; twice of it may take a
 /// hundredth of a second if all cover the tile.
@@ -209,8 +186,17 @@ impl<'a> BinnedModel<'a> {
         }
     }
 
+    /// Returns the corners of triangle `id` in the picture and the normals there as they stand in the model; `None` if
+    /// it is a piece, or if normals are not those of vertices.
+    #[inline]
+    pub(super) fn vertices(&self, id: u32) -> Option<([&Vertex; 3], [&Vector; 3])> {
+        let triangle = self.model.triangles.get(id as usize)?;
+        let ShadingNormals::Vertices(normals) = self.model.normals else { return None };
+        Some((self.placed(triangle), triangle.map(|v| &normals[v as usize])))
+    }
+
     /// Returns the normals at the three corners of triangle `id`.
-    fn normals(&self, id: u32) -> [[f64; 3]; 3] {
+    pub(super) fn normals(&self, id: u32) -> [[f64; 3]; 3] {
         let whole = self.whole(id);
         let triangle = self.model.triangles[whole];
         let mut normals = match self.model.normals {
@@ -235,44 +221,9 @@ impl<'a> BinnedModel<'a> {
     }
 
     /// Returns the paint values at the three corners of triangle `id`.
-    fn painted(&self, paint: &Paint<'_>, id: u32) -> [[f64; 3]; 3] {
+    pub(super) fn painted(&self, paint: &Paint<'_>, id: u32) -> [[f64; 3]; 3] {
         let whole = self.whole(id);
         shared(self.piece(id), paint.corners(whole, self.model.triangles[whole]))
-    }
-
-    /// Returns how the normal and the paint of triangle `id` vary over the tile at `origin`. In perspective, weights
-    /// are scaled by the stored depth, which is inverse to the distance.
-    #[expect(clippy::cast_possible_truncation, reason = "light needs no more than the precision of f32")]
-    pub(super) fn facet(&self, id: u32, origin: [i32; 2]) -> (Facet, Option<Tint>) {
-        let corners = self.corners(id).map(|corner| *corner);
-        let normals = self.normals(id);
-        let perspective = self.camera.projection == Projection::Perspective;
-        let [left, top] = [f64::from(origin[0]), f64::from(origin[1])];
-        let local: [[f64; 2]; 3] =
-            std::array::from_fn(|k| [f64::from(corners[k].x) / STEP - left, f64::from(corners[k].y) / STEP - top]);
-        let back = area(&corners) > 0;
-        let [mut bases, mut rights, mut downs] = [[0.0; 4]; 3];
-        let unit = if back { 1.0 } else { -1.0 };
-        let nearness = unit / f64::from(corners[0].depth);
-        let mut weights = [[0.0; 3]; 3];
-        for k in 0..3 {
-            let (a, b) = (local[(k + 1) % 3], local[(k + 2) % 3]);
-            let weight = if perspective { f64::from(corners[k].depth) * nearness } else { unit };
-            let right = ((a[1] - b[1]) * weight) as f32;
-            let down = ((b[0] - a[0]) * weight) as f32;
-            let base = (planar::cross(a, b) * weight) as f32;
-            weights[k] = [base, right, down];
-            let normal = [normals[k][0] as f32, normals[k][1] as f32, normals[k][2] as f32, 0.0];
-            for axis in 0..4 {
-                bases[axis] += base * normal[axis];
-                rights[axis] += right * normal[axis];
-                downs[axis] += down * normal[axis];
-            }
-        }
-        // exactly, even where depths are so far apart that sums are no numbers
-        (bases[3], rights[3], downs[3]) = (if back { 1.0 } else { 0.0 }, 0.0, 0.0);
-        let facet = Facet { base: bases, right: rights, down: downs };
-        (facet, self.paint.as_ref().map(|paint| Tint::new(&self.painted(paint, id), &weights)))
     }
 }
 

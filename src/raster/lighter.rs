@@ -5,8 +5,9 @@
 
 use multiversion::multiversion;
 
-use super::binned_model::{BinnedModel, Facet};
+use super::binned_model::BinnedModel;
 use super::bins::TILE;
+use super::facet_block::Facet;
 use super::facets::Facets;
 use super::fine::{FINE_PLACES, FINE_SAMPLES, Fine, PixelSet};
 use super::paint::Tint;
@@ -42,9 +43,33 @@ struct RowParts {
     at: [u32; SAMPLES],
     /// For each sample and pixel, the samples of the pixel that see the same triangle, one bit each.
     held: [[u32; TILE]; SAMPLES],
+    /// The pixels with a part at the first sample where another triangle is seen than in the pixel to the left.
+    fresh: u32,
     /// The pixels that are covered only in part, one bit each.
     cut: u32,
 }
+
+/// The number of triangles at the first samples of a row from which those at the other samples are looked up ahead, too:
+/// they are too small to be seen at the first sample of some pixel. Half of it looks up parts in vain, twice of it finds
+/// many facets alone; pictures are the same.
+const CROWDED_ROW: u32 = 12;
+
+impl RowParts {
+    /// Returns the pixels with parts at each sample whose triangles are looked up ahead.
+    fn prepared(&self) -> [u32; SAMPLES] {
+        if self.fresh.count_ones() < CROWDED_ROW {
+            return [self.fresh, 0, 0, 0];
+        }
+        [self.fresh, self.at[1], self.at[2], self.at[3]]
+    }
+
+    const NONE: Self = Self { at: [0; SAMPLES], held: [[0; TILE]; SAMPLES], fresh: 0, cut: 0 };
+}
+
+/// Rows of pixels whose facets are found before they are lit, so that most are found eight at a time. Half of it finds
+/// some alone where triangles are small; twice of it takes twice the memory of the first-level cache for parts (2 KB
+/// now).
+const ROWS_AHEAD: usize = 4;
 
 impl<'a> LitTile<'a> {
     pub(super) fn new(model: &'a BinnedModel<'a>, lamps: &'a Lamps, origin: [i32; 2], is_clear: bool) -> Self {
@@ -68,20 +93,33 @@ impl Lighter {
         self.facets.clear();
         self.marks.clear();
         self.light.fill([0.0; 4]);
-        for (y, owners) in (0..).zip(owners.as_chunks::<TILE>().0) {
-            let parts = parts(owners);
-            self.marks.add_row(y as usize, parts.cut);
-            for (s, (mut rest, held)) in parts.at.into_iter().zip(&parts.held).enumerate() {
-                while rest != 0 {
-                    let x = rest.trailing_zeros();
-                    rest &= rest - 1;
-                    let (owner, held) = (owners[x as usize][s], held[x as usize]);
-                    // a set of four samples is below 16 anyway; this spares a check
-                    self.add(tile, ([x, y], owner), SAMPLE_CENTRES[held as usize % SAMPLE_CENTRES.len()]);
-                }
+        let rows = owners.as_chunks::<TILE>().0;
+        let mut ahead = [const { RowParts::NONE }; ROWS_AHEAD];
+        for (first, rows) in (0..).step_by(ROWS_AHEAD).zip(rows.chunks(ROWS_AHEAD)) {
+            for (y, (owners, parts)) in (first..).zip(rows.iter().zip(&mut ahead)) {
+                find_parts(owners, parts);
+                self.marks.add_row(y, parts.cut);
+                self.facets.prepare(tile.model, tile.origin, owners, &parts.prepared());
+            }
+            self.facets.settle(tile.model, tile.origin);
+            for (y, (owners, parts)) in (first as u32..).zip(rows.iter().zip(&ahead)) {
+                self.add_row(tile, y, owners, parts);
             }
         }
         self.finish(tile);
+    }
+
+    /// Lights the parts of a row of pixels.
+    fn add_row(&mut self, tile: &LitTile<'_>, y: u32, owners: &[[u32; SAMPLES]; TILE], parts: &RowParts) {
+        for (s, (mut rest, held)) in parts.at.into_iter().zip(&parts.held).enumerate() {
+            while rest != 0 {
+                let x = rest.trailing_zeros();
+                rest &= rest - 1;
+                let (owner, held) = (owners[x as usize][s], held[x as usize]);
+                // a set of four samples is below 16 anyway; this spares a check
+                self.add(tile, ([x, y], owner), SAMPLE_CENTRES[held as usize % SAMPLE_CENTRES.len()]);
+            }
+        }
     }
 
     /// Lights the pixels that were drawn with more samples anew.
@@ -150,18 +188,17 @@ fn dress(
     paint.filter(|_| tile.is_clear).map_or(1.0, |(paint, tint)| paint.alpha(model.whole(owner), tint, place))
 }
 
-/// Returns the parts of the pixels of a row, given the triangle seen at each sample.
+/// Finds the parts of the pixels of a row, given the triangle seen at each sample.
 ///
 /// Whether samples of a pixel see the same triangle is as good as random, so there is no branch that depends on it.
 #[multiversion(targets("x86_64+avx2"))]
-fn parts(owners: &[[u32; SAMPLES]; TILE]) -> RowParts {
+fn find_parts(owners: &[[u32; SAMPLES]; TILE], parts: &mut RowParts) {
     let mut seen = [[NOBODY; TILE]; SAMPLES];
     for (x, owners) in owners.iter().enumerate() {
         for s in 0..SAMPLES {
             seen[s][x] = owners[s];
         }
     }
-    let mut parts = RowParts { at: [0; SAMPLES], held: [[0; TILE]; SAMPLES], cut: 0 };
     let [mut second, mut third, mut fourth, mut cut] = [[0; TILE]; 4];
     for x in 0..TILE {
         let (a, b, c, d) = (seen[0][x], seen[1][x], seen[2][x], seen[3][x]);
@@ -177,14 +214,21 @@ fn parts(owners: &[[u32; SAMPLES]; TILE]) -> RowParts {
         fourth[x] = 1 ^ (ad | bd | cd | no_d);
         cut[x] = (u32::from(a == NOBODY) | no_b | no_c | no_d) & (1 ^ ab & ac & ad);
     }
-    for x in 0..TILE {
-        parts.at[0] |= u32::from(seen[0][x] != NOBODY) << x;
-        parts.at[1] |= second[x] << x;
-        parts.at[2] |= third[x] << x;
-        parts.at[3] |= fourth[x] << x;
-        parts.cut |= cut[x] << x;
+    let mut fresh = [1; TILE];
+    for x in 1..TILE {
+        fresh[x] = u32::from(seen[0][x] != seen[0][x - 1]);
     }
-    parts
+    let (mut at, mut fresh_at, mut cut_at) = ([0; SAMPLES], 0, 0);
+    for x in 0..TILE {
+        at[0] |= u32::from(seen[0][x] != NOBODY) << x;
+        at[1] |= second[x] << x;
+        at[2] |= third[x] << x;
+        at[3] |= fourth[x] << x;
+        fresh_at |= fresh[x] << x;
+        cut_at |= cut[x] << x;
+    }
+    fresh_at &= at[0];
+    (parts.at, parts.fresh, parts.cut) = (at, fresh_at, cut_at);
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "a tile is some dozen pixels wide")]
@@ -237,7 +281,8 @@ mod tests {
             .map(|code| [0, 2, 4, 6].map(|shift| [7, 40, NOBODY - 1, NOBODY][(code >> shift & 3) as usize]))
             .collect();
         for owners in patterns.as_chunks::<TILE>().0 {
-            let parts = parts(owners);
+            let mut parts = RowParts::NONE;
+            find_parts(owners, &mut parts);
             for (x, owners) in owners.iter().enumerate() {
                 let of = |s: usize| (owners[s], held_by(owners, owners[s]));
                 let firsts = (0..SAMPLES).filter(|&s| owners[s] != NOBODY && !owners[..s].contains(&owners[s]));

@@ -17,6 +17,7 @@ mod contact;
 mod coverage_tests;
 mod culling;
 mod difference;
+mod facet_block;
 mod facets;
 mod fine;
 mod finish;

@@ -4,6 +4,7 @@ use multiversion::multiversion;
 
 use super::binned_model::{BinnedModel, LISTED_TRIANGLES};
 use super::bins::TILE;
+use super::facet_block::FacetBlock;
 use super::fine::Fine;
 use super::forecast;
 use super::lighter::{Lighter, LitTile};
@@ -220,7 +221,7 @@ fn hiding(model: &BinnedModel<'_>, id: u32, has_clear: bool) -> Hiding {
 
 /// Returns the opacity of a triangle as a function of the place in the tile.
 fn alphas<'a>(model: &'a BinnedModel<'_>, id: u32, origin: [i32; 2]) -> impl Fn([f32; 2]) -> f32 + 'a {
-    let (_, tint) = model.facet(id, origin);
+    let tint = FacetBlock::of(model, &[id], origin).tint(0);
     let paint = model.paint.as_ref().zip(tint);
     move |place| paint.as_ref().map_or(1.0, |(paint, tint)| paint.alpha(model.whole(id), tint, place))
 }
