@@ -41,8 +41,8 @@ const LINE_PIXEL_BYTES: u128 = 12;
 /// is drawn, with its two ends, its bounds and its place among the tiles (measured: 52).
 const WIRE_BYTES: u128 = 36;
 
-/// Bytes per vertex for its place over the ground (12), and for whether a triangle has it.
-const GROUND_BYTES: u128 = 13;
+/// Bytes per vertex for its place over the ground (16), and for whether a triangle has it.
+const GROUND_BYTES: u128 = 17;
 
 /// The format "png".
 #[derive(Debug, Clone, Copy)]

@@ -68,8 +68,9 @@ impl TileWriter {
         let encoded = encoded(&light, &lines, &dark.unwrap_or([0.0; TILE]), (self.paper, background));
         let table = &*ENCODING;
         for (x, pixel) in pixels.iter_mut().enumerate().take(TILE) {
-            let [red, green, blue] = [0, 1, 2].map(|k| table.of_step(encoded.steps[k][x]));
-            let drawn = u32::from_le_bytes([red, green, blue, encoded.alpha[x]]);
+            let [red, green, blue] = &encoded.steps;
+            let color = [table.of_step(red[x]), table.of_step(green[x]), table.of_step(blue[x]), encoded.alpha[x]];
+            let drawn = u32::from_le_bytes(color);
             *pixel = (drawn & encoded.kept[x] | encoded.empty[x]).to_le_bytes();
         }
     }
