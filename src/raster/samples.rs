@@ -6,7 +6,7 @@ use multiversion::multiversion;
 
 use super::bins::TILE;
 use super::project::Vertex;
-use super::triangle::{NOBODY, PLACE_ROWS, PlaceRows, SAMPLES, TILE_SIDE, TriangleSetup};
+use super::triangle::{CUT_PX, NOBODY, PLACE_ROWS, PlaceRows, SAMPLES, TILE_SIDE};
 use super::triangle_block::{BLOCK_TRIANGLES, BlockSetup, TriangleBlock};
 
 /// Depth and owner of every sample of a tile.
@@ -100,16 +100,17 @@ impl Samples {
     ) {
         self.settle(origin);
         self.waiting.push(corners, id);
-        if let Some(setup) = self.prepared(&BlockSetup::of(&self.waiting, origin), 0) {
-            self.done.pixels += setup.fill_where(id, &mut self.depth, &mut self.owner, &is_there);
+        let setups = BlockSetup::of(&self.waiting, origin);
+        if self.prepared(&setups, 0).is_some() {
+            self.done.pixels += setups.at(0).fill_where(id, &mut self.depth, &mut self.owner, &is_there);
         }
         self.waiting.n = 0;
     }
 
-    /// Returns triangle `i` of those that wait, if it may be seen in the tile.
+    /// Returns the width in pixels of triangle `i` of those that wait, if it may be seen in the tile.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    fn prepared(&mut self, setup: &BlockSetup, i: usize) -> Option<TriangleSetup> {
+    fn prepared(&mut self, setup: &BlockSetup, i: usize) -> Option<usize> {
         self.done.triangles += 1;
         if self.visited > 4 * TILE * TILE {
             self.farthest();
@@ -124,7 +125,7 @@ impl Samples {
             return None;
         }
         self.visited += ((right - left + 1) * (bottom - top + 1)) as usize;
-        Some(setup.at(i))
+        Some((right - left + 1) as usize)
     }
 
     /// Returns the smallest depth of a sample.
@@ -172,9 +173,20 @@ impl Samples {
 fn draw_everywhere(samples: &mut Samples, origin: [i32; 2]) {
     let setups = BlockSetup::of(&samples.waiting, origin);
     for i in 0..samples.waiting.n.min(BLOCK_TRIANGLES) {
-        if let Some(setup) = samples.prepared(&setups, i) {
+        let Some(width) = samples.prepared(&setups, i) else { continue };
+        if width < CUT_PX {
             let id = samples.waiting.id[i];
-            samples.done.pixels += setup.fill(id, &mut samples.depth, &mut samples.owner, &samples.places);
+            let Samples { depth, owner, places, .. } = samples;
+            samples.done.pixels += setups.at(i).fill(id, depth, owner, places);
+        } else {
+            fill_wide(samples, &setups, i);
         }
     }
+}
+
+/// Draws triangle `i` of those that wait, which is wide. Wider vectors give the same bits.
+#[multiversion(targets("x86_64+avx2"))]
+fn fill_wide(samples: &mut Samples, setups: &BlockSetup, i: usize) {
+    let id = samples.waiting.id[i];
+    samples.done.pixels += setups.at(i).fill_cut(id, &mut samples.depth, &mut samples.owner, &samples.places);
 }

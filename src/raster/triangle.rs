@@ -38,9 +38,12 @@ pub(super) const CUT_PX: usize = 12;
 /// It only says what cutting counts: half and twice of it halve and double its share of the predicted time.
 pub(super) const ROW_PX: u64 = 8;
 
-/// A triangle prepared for a tile; values are those of the first pixel of its bounding box.
+/// A triangle prepared for a tile; depths are those of the first pixel of its bounding box.
 pub(super) struct TriangleSetup {
-    /// The edge functions at the corner of the pixel; not negative inside.
+    /// The first pixel of each row that is looked at. It is that of the box, or that to the left of it where rows with
+    /// an odd number of pixels, which are looked at in pairs, would leave the tile.
+    pub(super) first: i32,
+    /// The edge functions at the corner of that pixel in the first row; not negative inside.
     pub(super) edges: [i32; 3],
     /// Their steps for an eighth of a pixel.
     pub(super) right: [i32; 3],
@@ -56,20 +59,35 @@ pub(super) struct TriangleSetup {
 /// Half of it leaves half of that empty; twice of it looks at more pixels beside small triangles in vain.
 const PAIR_SAMPLES: usize = 2 * SAMPLES;
 
-/// Right and down for each sample of a pixel.
-pub(super) type PlaceRows = [[i32; SAMPLES]; 2];
+/// Right and down for each sample of two pixels, eighths of a pixel.
+pub(super) type PlaceRows = [[i32; PAIR_SAMPLES]; 2];
 
-/// [`SAMPLE_PLACES`], right and down. Those who draw keep a copy in memory, as numbers that the compiler knows are
-/// multiplied one by one, by shifts and sums, and not in vectors.
+/// [`SAMPLE_PLACES`] in a pixel and in that to the right, right and down. Those who draw keep a copy in memory, as
+/// numbers that the compiler knows are multiplied one by one, by shifts and sums, and not in vectors.
 pub(super) const PLACE_ROWS: PlaceRows = {
-    let mut rows = [[0; SAMPLES]; 2];
-    let mut sample = 0;
-    while sample < SAMPLES {
-        [rows[0][sample], rows[1][sample]] = SAMPLE_PLACES[sample];
-        sample += 1;
+    let mut rows = [[0; PAIR_SAMPLES]; 2];
+    let mut lane = 0;
+    while lane < PAIR_SAMPLES {
+        let [right, down] = SAMPLE_PLACES[lane % SAMPLES];
+        [rows[0][lane], rows[1][lane]] = [right + 8 * (lane / SAMPLES) as i32, down];
+        lane += 1;
     }
     rows
 };
+
+/// Returns `n` pairs of pixels from pixel `first` of row `y` of a tile on.
+#[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+#[inline(always)]
+fn row_of<'a>(
+    depth: &'a mut [[f32; SAMPLES]],
+    owner: &'a mut [[u32; SAMPLES]],
+    [first, y]: [i32; 2],
+    n: usize,
+) -> impl Iterator<Item = (&'a mut [[f32; SAMPLES]; 2], &'a mut [[u32; SAMPLES]; 2])> {
+    let first = (y * TILE_SIDE + first) as usize;
+    let row = first..first + 2 * n;
+    depth[row.clone()].as_chunks_mut().0.iter_mut().zip(owner[row].as_chunks_mut().0)
+}
 
 /// Gives triangle number `id` the samples of a pixel that it covers (`outside` is not negative there) and where it is
 /// the nearest. There are no branches, so that all samples are one vector.
@@ -161,31 +179,15 @@ pub(super) fn edge(a: [i32; 2], b: [i32; 2], origin: [i32; 2]) -> TileEdge {
 }
 
 impl TriangleSetup {
-    /// Returns the edge functions, the depths and the columns at the samples of the first two pixels.
+    /// Returns the number of pixels in a row.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    fn first_pair(&self, places: &PlaceRows) -> ([[i32; PAIR_SAMPLES]; 3], [f32; PAIR_SAMPLES], [f32; PAIR_SAMPLES]) {
-        let mut edges = [[0_i32; PAIR_SAMPLES]; 3];
-        for (k, edges) in edges.iter_mut().enumerate() {
-            let (edge, right, down) = (self.edges[k], self.right[k], self.down[k]);
-            for lane in 0..SAMPLES {
-                let across = right.wrapping_mul(places[0][lane]);
-                edges[lane] = edge.wrapping_add(across).wrapping_add(down.wrapping_mul(places[1][lane]));
-            }
-            for lane in 0..SAMPLES {
-                edges[lane + SAMPLES] = edges[lane].wrapping_add(8 * right);
-            }
-        }
-        let (mut base, mut columns) = ([0.0; PAIR_SAMPLES], [0.0; PAIR_SAMPLES]);
-        for lane in 0..PAIR_SAMPLES {
-            base[lane] = self.depth[lane % SAMPLES];
-            columns[lane] = (lane / SAMPLES) as f32;
-        }
-        (edges, base, columns)
+    pub(super) fn width(&self) -> usize {
+        (self.pixels[2] - self.pixels[0] + 1) as usize
     }
 
     /// Gives triangle number `id` the samples of the tile that it covers and where it is the nearest. Returns the
-    /// pixels looked at, and [`ROW_PX`] for each row that was cut. The places are [`PLACE_ROWS`].
+    /// number of pixels looked at. The places are [`PLACE_ROWS`].
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
     pub(super) fn fill(
@@ -195,47 +197,98 @@ impl TriangleSetup {
         owner: &mut [[u32; SAMPLES]],
         places: &PlaceRows,
     ) -> u64 {
-        let [left, top, right, bottom] = self.pixels;
-        let n = (right - left + 1) as usize;
-        let (mut start, base, first_columns) = self.first_pair(places);
-        let mut pixels = 0;
+        let [left, top, _, bottom] = self.pixels;
+        let n = self.width().div_ceil(2);
+        let mut edges = self.edges_at(places, self.edges);
         for (row, y) in (0_i32..).zip(top..=bottom) {
-            let span = if n < CUT_PX { 0..n } else { self.span(row, n) };
-            pixels += span.len() as u64 + if n < CUT_PX { 0 } else { ROW_PX };
-            let lift = row as f32 * self.slope[1];
-            let (mut edges, mut column) = (start, first_columns);
-            if span.start > 0 {
-                for (edges, right) in edges.iter_mut().zip(self.right) {
-                    let shift = (8 * right).wrapping_mul(span.start as i32);
-                    edges.iter_mut().for_each(|edge| *edge = edge.wrapping_add(shift));
+            self.fill_row(id, edges, [self.first - left, row], row_of(depth, owner, [self.first, y], n));
+            for k in 0..3 {
+                for lane in 0..PAIR_SAMPLES {
+                    edges[k][lane] = edges[k][lane].wrapping_add(8 * self.down[k]);
                 }
-                column.iter_mut().for_each(|column| *column += span.start as f32);
-            }
-            let first = (y * TILE_SIDE + left) as usize + span.start;
-            let (pairs, last) = depth[first..first + span.len()].as_chunks_mut::<2>();
-            let (owner_pairs, last_owner) = owner[first..first + span.len()].as_chunks_mut::<2>();
-            for (depth, owner) in pairs.iter_mut().zip(owner_pairs) {
-                let outside = std::array::from_fn(|lane| edges[0][lane] | edges[1][lane] | edges[2][lane]);
-                let z = std::array::from_fn(|lane| self.within(base[lane] + lift + column[lane] * self.slope[0]));
-                let (depth, owner) = (depth.as_flattened_mut(), owner.as_flattened_mut());
-                if let (Some(depth), Some(owner)) = (depth.as_mut_array(), owner.as_mut_array()) {
-                    cover::<PAIR_SAMPLES>(outside, z, id, depth, owner);
-                }
-                for (edges, right) in edges.iter_mut().zip(self.right) {
-                    edges.iter_mut().for_each(|edge| *edge = edge.wrapping_add(16 * right));
-                }
-                column.iter_mut().for_each(|column| *column += 2.0);
-            }
-            for (depth, owner) in last.iter_mut().zip(last_owner) {
-                let outside = std::array::from_fn(|s| edges[0][s] | edges[1][s] | edges[2][s]);
-                let z = std::array::from_fn(|s| self.within(base[s] + lift + column[s] * self.slope[0]));
-                cover(outside, z, id, depth, owner);
-            }
-            for (start, down) in start.iter_mut().zip(self.down) {
-                start.iter_mut().for_each(|edge| *edge = edge.wrapping_add(8 * down));
             }
         }
+        self.width() as u64 * (bottom - top + 1) as u64
+    }
+
+    /// Does what [`TriangleSetup::fill`] does, after cutting each row to what the triangle may cover of it. For each
+    /// row, [`ROW_PX`] are counted in addition.
+    #[expect(clippy::inline_always, reason = "only code inside of `fill_wide` uses its wider vectors")]
+    #[inline(always)]
+    pub(super) fn fill_cut(
+        &self,
+        id: u32,
+        depth: &mut [[f32; SAMPLES]],
+        owner: &mut [[u32; SAMPLES]],
+        places: &PlaceRows,
+    ) -> u64 {
+        let [left, top, _, bottom] = self.pixels;
+        let mut pixels = 0;
+        for (row, y) in (0_i32..).zip(top..=bottom) {
+            let span = self.span(row, self.width());
+            pixels += span.len() as u64 + ROW_PX;
+            let n = span.len().div_ceil(2);
+            let first = (left + span.start as i32).min(TILE_SIDE - 2 * n as i32);
+            let mut edges = self.edges;
+            for k in 0..3 {
+                let across = (8 * self.right[k]).wrapping_mul(first - left);
+                edges[k] = edges[k].wrapping_add(across).wrapping_add((8 * self.down[k]).wrapping_mul(row));
+            }
+            let edges = self.edges_at(places, edges);
+            self.fill_row(id, edges, [first - left, row], row_of(depth, owner, [first, y], n));
+        }
         pixels
+    }
+
+    /// Returns the edge functions at the samples of a pair of pixels, given those at the corner of the first.
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
+    #[inline(always)]
+    fn edges_at(&self, places: &PlaceRows, corner: [i32; 3]) -> [[i32; PAIR_SAMPLES]; 3] {
+        let mut edges = [[0; PAIR_SAMPLES]; 3];
+        for k in 0..3 {
+            for lane in 0..PAIR_SAMPLES {
+                let across = self.right[k].wrapping_mul(places[0][lane]);
+                let along = self.down[k].wrapping_mul(places[1][lane]);
+                edges[k][lane] = corner[k].wrapping_add(across).wrapping_add(along);
+            }
+        }
+        edges
+    }
+
+    /// Fills a row, two pixels at a time, given the edge functions of the first pair and its column and row from the
+    /// first pixel of the triangle.
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
+    #[inline(always)]
+    fn fill_row<'a>(
+        &self,
+        id: u32,
+        mut edges: [[i32; PAIR_SAMPLES]; 3],
+        [column, row]: [i32; 2],
+        pairs: impl Iterator<Item = (&'a mut [[f32; SAMPLES]; 2], &'a mut [[u32; SAMPLES]; 2])>,
+    ) {
+        let lift = row as f32 * self.slope[1];
+        let (mut base, mut columns) = ([0.0; PAIR_SAMPLES], [0.0; PAIR_SAMPLES]);
+        for lane in 0..PAIR_SAMPLES {
+            base[lane] = self.depth[lane % SAMPLES] + lift;
+            columns[lane] = (column + (lane / SAMPLES) as i32) as f32;
+        }
+        for (depth, owner) in pairs {
+            let (mut outside, mut z) = ([0; PAIR_SAMPLES], [0.0; PAIR_SAMPLES]);
+            for lane in 0..PAIR_SAMPLES {
+                outside[lane] = edges[0][lane] | edges[1][lane] | edges[2][lane];
+                z[lane] = self.within(base[lane] + columns[lane] * self.slope[0]);
+            }
+            let (depth, owner) = (depth.as_flattened_mut(), owner.as_flattened_mut());
+            if let (Some(depth), Some(owner)) = (depth.as_mut_array(), owner.as_mut_array()) {
+                cover::<PAIR_SAMPLES>(outside, z, id, depth, owner);
+            }
+            for lane in 0..PAIR_SAMPLES {
+                for k in 0..3 {
+                    edges[k][lane] = edges[k][lane].wrapping_add(16 * self.right[k]);
+                }
+                columns[lane] += 2.0;
+            }
+        }
     }
 
     /// Does what [`TriangleSetup::fill`] does, at those places of the tile where the triangle is there.
@@ -256,7 +309,7 @@ impl TriangleSetup {
             for column in span {
                 let edge = |k: usize, s: usize| {
                     let [x, y] = SAMPLE_PLACES[s];
-                    let right = self.right[k].wrapping_mul(8 * column as i32 + x);
+                    let right = self.right[k].wrapping_mul(8 * (left - self.first + column as i32) + x);
                     self.edges[k].wrapping_add(right).wrapping_add(self.down[k].wrapping_mul(8 * row + y))
                 };
                 let outside: [i32; SAMPLES] = std::array::from_fn(|s| edge(0, s) | edge(1, s) | edge(2, s));

@@ -9,7 +9,7 @@
 
 use super::project::{BEHIND, STEPS_A_PIXEL, Vertex};
 use super::triangle::{
-    NEAR_ORIGIN, SAMPLE_PLACES, SAMPLES, TILE_SIDE, TileEdge, TriangleSetup, edge, high_pixel, low_pixel,
+    CUT_PX, NEAR_ORIGIN, SAMPLE_PLACES, SAMPLES, TILE_SIDE, TileEdge, TriangleSetup, edge, high_pixel, low_pixel,
 };
 
 /// Triangles looked at together: eight numbers of 32 bits fill a vector register of 256 bits. Half of it leaves half of
@@ -39,6 +39,8 @@ pub(super) struct BlockSetup {
     top: BlockRow<i32>,
     right: BlockRow<i32>,
     bottom: BlockRow<i32>,
+    /// The first pixel of each row that is looked at, see [`TriangleSetup`].
+    first: BlockRow<i32>,
     /// The largest depth.
     pub(super) nearest: BlockRow<f32>,
     farthest: BlockRow<f32>,
@@ -131,6 +133,7 @@ impl BlockSetup {
             top: row,
             right: row,
             bottom: row,
+            first: row,
             nearest: zero,
             farthest: zero,
             area: [0.0; BLOCK_TRIANGLES],
@@ -155,6 +158,9 @@ impl BlockSetup {
             let right = (high_pixel(most_x) - origin[0]).min(TILE_SIDE - 1);
             setup.right[i] = if setup.area[i] == 0.0 { -1 } else { right };
             setup.bottom[i] = (high_pixel(most_y) - origin[1]).min(TILE_SIDE - 1);
+            let width = setup.right[i] - setup.left[i] + 1;
+            let first = (TILE_SIDE - (width + 1 & !1)).min(setup.left[i]);
+            setup.first[i] = if width < CUT_PX as i32 { first } else { setup.left[i] };
             let is_near = |least: i32, most: i32| (least > -NEAR_ORIGIN) & (most < NEAR_ORIGIN);
             setup.is_near[i] =
                 is_near(least_x - corner[0], most_x - corner[0]) & is_near(least_y - corner[1], most_y - corner[1]);
@@ -181,7 +187,7 @@ impl BlockSetup {
                 let counts = (dy > 0) | ((dy == 0) & (dx > 0));
                 let value = dx.wrapping_mul(corner[1] - y).wrapping_sub(dy.wrapping_mul(corner[0] - x));
                 let value = value.wrapping_sub(i32::from(!counts)) >> (STEPS_A_PIXEL / 8).trailing_zeros();
-                let first = (-dy).wrapping_mul(8 * self.left[i]).wrapping_add(dx.wrapping_mul(8 * self.top[i]));
+                let first = (-dy).wrapping_mul(8 * self.first[i]).wrapping_add(dx.wrapping_mul(8 * self.top[i]));
                 self.edges[k][i] = value.wrapping_add(first);
                 (self.steps_right[k][i], self.steps_down[k][i]) = (-dy, dx);
             }
@@ -237,6 +243,7 @@ impl BlockSetup {
             edges: of(&self.edges),
             right: of(&self.steps_right),
             down: of(&self.steps_down),
+            first: self.first[i],
             pixels: [self.left[i], self.top[i], self.right[i], self.bottom[i]],
             depth: [self.depth[0][i], self.depth[1][i], self.depth[2][i], self.depth[3][i]],
             slope: [self.slope[0][i], self.slope[1][i]],
@@ -263,7 +270,7 @@ impl BlockSetup {
                     }
                 };
                 (self.steps_right[k][i], self.steps_down[k][i]) = (right, down);
-                let first = (8 * right).wrapping_mul(self.left[i]).wrapping_add((8 * down).wrapping_mul(self.top[i]));
+                let first = (8 * right).wrapping_mul(self.first[i]).wrapping_add((8 * down).wrapping_mul(self.top[i]));
                 self.edges[k][i] = value.wrapping_add(first);
             }
         }
