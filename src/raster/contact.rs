@@ -141,17 +141,6 @@ impl Shadow {
         let row = || ShadowRow { shadow: self, edge_px, origin: start(&self.origin), ray: start(&self.ray) };
         (y >= top && y < bottom).then(row)
     }
-
-    /// Returns the darkness at a place of the map, in cells, interpolated between four of them.
-    fn blended(&self, [u, v]: [f64; 2]) -> f32 {
-        let (left, above) = (u as usize, v as usize);
-        let (u, v) = ((u - left as f64) as f32, (v - above as f64) as f32);
-        let (right, below) = ((left + 1).min(self.cells - 1), (above + 1).min(self.cells - 1));
-        let cell = |x: usize, y: usize| self.dark[y * self.cells + x];
-        let upper = cell(left, above) + u * (cell(right, above) - cell(left, above));
-        let lower = cell(left, below) + u * (cell(right, below) - cell(left, below));
-        upper + v * (lower - upper)
-    }
 }
 
 impl ShadowRow<'_> {
@@ -162,44 +151,86 @@ impl ShadowRow<'_> {
         if first >= right || first + TILE <= left {
             return None;
         }
-        let ([columns, rows], shares) = on_map(self, first as f64);
-        let mut dark = [0.0; TILE];
-        for (i, dark) in dark.iter_mut().enumerate().filter(|(i, _)| shares[*i] > 0.0) {
-            let share = shares[i];
-            *dark = self.shadow.blended([columns[i], rows[i]]) * share * share * (3.0 - 2.0 * share);
+        let map = on_map(self, first as f64);
+        let (cells, dark) = (self.shadow.cells, &self.shadow.dark);
+        let mut around = [[0.0; TILE]; 4];
+        for i in (0..TILE).filter(|i| map.share[*i] > 0.0) {
+            let (cell, right) = (map.cell[i] as usize, map.right[i] as usize);
+            let below = if map.has_below[i] { cell + cells } else { cell };
+            let found = [dark[cell], dark[cell + right], dark[below], dark[below + right]];
+            (around[0][i], around[1][i], around[2][i], around[3][i]) = (found[0], found[1], found[2], found[3]);
         }
+        let dark = blended(&map, &around);
         dark.iter().any(|dark| *dark > 0.0).then_some(dark)
     }
 }
 
-/// Returns the places on the map, in cells, of the pixels of a row of a tile, and by how much of its width each pixel
-/// is inside the band along the edge of the picture, which is 0 for those that do not see the map. Wider vectors give
-/// the same bits.
+/// Where the pixels of a row of a tile see the map of the ground.
+struct OnMap {
+    /// The cell whose centre is to the left of the place and above it.
+    cell: [u32; TILE],
+    /// How many cells the one to the right is away: 1, or 0 at the edge of the map.
+    right: [u32; TILE],
+    /// Whether there is a cell below.
+    has_below: [bool; TILE],
+    /// How far the place is from the centre of the cell to that of the next, to the right and down.
+    way: [[f32; TILE]; 2],
+    /// By how much of its width each pixel is inside the band along the edge of the picture; 0 for pixels that do not
+    /// see the map.
+    share: [f32; TILE],
+}
+
+/// Returns where the pixels of a row of a tile see the map. Wider vectors give the same bits.
 #[multiversion(targets("x86_64+avx2"))]
-fn on_map<'a>(row: &ShadowRow<'a>, first: f64) -> ([[f64; TILE]; 2], [f32; TILE]) {
+fn on_map<'a>(row: &ShadowRow<'a>, first: f64) -> OnMap {
+    // numbers from here on have no digits after the point
+    const WHOLE: f64 = 4_503_599_627_370_496.0;
     let shadow = row.shadow;
     let [left, _, right, _] = shadow.reach_px.map(|px| px as f64);
     let (cells, last) = (shadow.cells as f64, shadow.cells as f64 - 1.0);
     let middle_px = shadow.middle_px;
     let fade_px = FADE_WIDTH * 2.0 * middle_px[0].min(middle_px[1]);
-    let mut places = [[0.0; TILE]; 2];
-    let mut shares = [0.0; TILE];
+    let none = [0; TILE];
+    let mut map =
+        OnMap { cell: none, right: none, has_below: [false; TILE], way: [[0.0; TILE]; 2], share: [0.0; TILE] };
     for i in 0..TILE {
         let x = first + f64::from(i as u32);
         let along = |v: &[Vector; 2], k: usize| v[0][k] + x * v[1][k];
         let way = -along(&row.origin, 2) / along(&row.ray, 2);
         let place = [0, 1].map(|k| along(&row.origin, k) + way * along(&row.ray, k));
+        let mut corner = [0.0; 2];
         for k in 0..2 {
             let cell = (0.5 * place[k] + 0.5) * cells - 0.5;
             let cell = if cell > 0.0 { cell } else { 0.0 };
-            places[k][i] = if cell < last { cell } else { last };
+            let cell = if cell < last { cell } else { last };
+            let nearest = (cell + WHOLE) - WHOLE;
+            corner[k] = if nearest > cell { nearest - 1.0 } else { nearest };
+            map.way[k][i] = (cell - corner[k]) as f32;
         }
+        map.cell[i] = (corner[1] * cells + corner[0] + WHOLE).to_bits() as u32;
+        map.right[i] = u32::from(corner[0] < last);
+        map.has_below[i] = corner[1] < last;
         let edge_px = middle_px[0] - (x + 0.5 - middle_px[0]).abs();
         let edge_px = if edge_px < row.edge_px { edge_px } else { row.edge_px };
         let inside = edge_px / fade_px;
         let inside = if inside < 1.0 { inside } else { 1.0 };
         let is_seen = [x >= left, x < right, way > 0.0, place[0].abs() < 1.0, place[1].abs() < 1.0];
-        shares[i] = is_seen.iter().fold(inside as f32, |share, is_seen| if *is_seen { share } else { 0.0 });
+        map.share[i] = is_seen.iter().fold(inside as f32, |share, is_seen| if *is_seen { share } else { 0.0 });
     }
-    (places, shares)
+    map
+}
+
+/// Returns the fraction of its light that the ground loses at the pixels of a row of a tile, interpolated between the
+/// darkness of four cells around each: above, right of that, below, and right of that. Wider vectors give the same bits.
+#[multiversion(targets("x86_64+avx2"))]
+fn blended(map: &OnMap, around: &[[f32; TILE]; 4]) -> [f32; TILE] {
+    let mut dark = [0.0; TILE];
+    for i in 0..TILE {
+        let (right, down, share) = (map.way[0][i], map.way[1][i], map.share[i]);
+        let upper = around[0][i] + right * (around[1][i] - around[0][i]);
+        let lower = around[2][i] + right * (around[3][i] - around[2][i]);
+        let blended = (upper + down * (lower - upper)) * share * share * (3.0 - 2.0 * share);
+        dark[i] = if share > 0.0 { blended } else { 0.0 };
+    }
+    dark
 }

@@ -1,7 +1,11 @@
 //! How normals and paint vary over triangles in a tile, found for several triangles at once.
 
 #![expect(clippy::cast_possible_truncation, reason = "light needs no more than the precision of f32")]
-#![expect(clippy::needless_range_loop, reason = "loops without branches are vector code")]
+#![expect(
+    clippy::needless_bitwise_bool,
+    clippy::needless_range_loop,
+    reason = "loops without branches are vector code"
+)]
 
 use multiversion::multiversion;
 

@@ -3,11 +3,7 @@
 #![expect(clippy::cast_precision_loss, reason = "cells are counted in hundreds")]
 #![expect(clippy::cast_possible_truncation, reason = "places are clamped to the map before the cast")]
 #![expect(clippy::cast_sign_loss, reason = "places are clamped to the map before the cast")]
-#![expect(
-    clippy::needless_bitwise_bool,
-    clippy::needless_range_loop,
-    reason = "loops without branches are vector code"
-)]
+#![expect(clippy::needless_bitwise_bool, reason = "loops without branches are vector code")]
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

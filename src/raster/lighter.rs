@@ -95,14 +95,14 @@ impl Lighter {
         self.light.fill([0.0; 4]);
         let rows = owners.as_chunks::<TILE>().0;
         let mut ahead = [const { RowParts::NONE }; ROWS_AHEAD];
-        for (first, rows) in (0..).step_by(ROWS_AHEAD).zip(rows.chunks(ROWS_AHEAD)) {
+        for (first, rows) in (0_u32..).step_by(ROWS_AHEAD).zip(rows.chunks(ROWS_AHEAD)) {
             for (y, (owners, parts)) in (first..).zip(rows.iter().zip(&mut ahead)) {
                 find_parts(owners, parts);
-                self.marks.add_row(y, parts.cut);
+                self.marks.add_row(y as usize, parts.cut);
                 self.facets.prepare(tile.model, tile.origin, owners, &parts.prepared());
             }
             self.facets.settle(tile.model, tile.origin);
-            for (y, (owners, parts)) in (first as u32..).zip(rows.iter().zip(&ahead)) {
+            for (y, (owners, parts)) in (first..).zip(rows.iter().zip(&ahead)) {
                 self.add_row(tile, y, owners, parts);
             }
         }

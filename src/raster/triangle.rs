@@ -8,6 +8,7 @@
 #![expect(clippy::cast_possible_wrap, reason = "a tile is some dozen pixels wide")]
 #![expect(clippy::cast_sign_loss, reason = "pixels are clamped to the tile")]
 #![expect(clippy::cast_precision_loss, reason = "pixels are clamped to the tile and areas stay below 2^48")]
+#![expect(clippy::needless_range_loop, reason = "loops over lanes are vector code")]
 
 use std::ops::Range;
 

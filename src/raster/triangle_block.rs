@@ -1,6 +1,7 @@
 //! Triangles prepared for a tile several at a time, each number of all of them in one vector.
 
 #![expect(clippy::cast_possible_truncation, reason = "depths need no more than the precision of f32")]
+#![expect(clippy::cast_possible_wrap, reason = "a tile is some dozen pixels wide")]
 #![expect(
     clippy::needless_bitwise_bool,
     clippy::needless_range_loop,
@@ -159,7 +160,7 @@ impl BlockSetup {
             setup.right[i] = if setup.area[i] == 0.0 { -1 } else { right };
             setup.bottom[i] = (high_pixel(most_y) - origin[1]).min(TILE_SIDE - 1);
             let width = setup.right[i] - setup.left[i] + 1;
-            let first = (TILE_SIDE - (width + 1 & !1)).min(setup.left[i]);
+            let first = (TILE_SIDE - ((width + 1) & !1)).min(setup.left[i]);
             setup.first[i] = if width < CUT_PX as i32 { first } else { setup.left[i] };
             let is_near = |least: i32, most: i32| (least > -NEAR_ORIGIN) & (most < NEAR_ORIGIN);
             setup.is_near[i] =
