@@ -10,7 +10,7 @@ use super::finish::Finisher;
 use super::line::StrokeLayer;
 use super::model::{Model, ShadingNormals, TriangleAppearance};
 use super::paint::Paint;
-use super::project::{BEHIND, FAR_OUT, Vertex, vertex, vertices};
+use super::project::{BEHIND, FAR_OUT, Vertex, vertices, vertices_of};
 use super::shade::Lamps;
 use super::triangle_block::{BLOCK_TRIANGLES, TriangleBlock};
 use crate::math::vector::{Vector, cross, minus};
@@ -60,7 +60,8 @@ impl TriangleRun {
     #[inline]
     fn admit(&mut self, id: u32, fate: TriangleFate) {
         if let TriangleFate::Seen { is_back, rect, nearest } = fate {
-            self.found[usize::from(is_back)].push((id, rect, nearest));
+            let [front, back] = &mut self.found;
+            if is_back { back.push((id, rect, nearest)) } else { front.push((id, rect, nearest)) }
         }
     }
 }
@@ -111,9 +112,9 @@ impl<'a> BinnedModel<'a> {
                     block.n = 0;
                     (first..).zip(list).for_each(|(id, triangle)| block.push(self.placed(triangle), id));
                     let fates = BlockFates::of(self.grid, &block);
-                    for (k, (id, &triangle)) in (first..).zip(list).enumerate() {
+                    for (k, id) in (first..).enumerate().take(list.len()) {
                         match fates.at(k) {
-                            TriangleFate::Cut => self.admit_pieces(id, triangle, &mut run_of),
+                            TriangleFate::Cut => self.admit_pieces(id, list[k], &mut run_of),
                             fate => run_of.admit(id, fate),
                         }
                     }
@@ -136,7 +137,7 @@ impl<'a> BinnedModel<'a> {
     fn admit_pieces(&self, id: u32, triangle: [u32; 3], run: &mut TriangleRun) {
         let seen = triangle.map(|v| self.camera.view(self.model.positions[v as usize]));
         let polygon = clip::polygon(self.camera, seen);
-        let corners: Vec<Vertex> = polygon.iter().map(|corner| vertex(self.camera, corner.seen)).collect();
+        let corners: Vec<Vertex> = polygon.iter().flat_map(|corner| vertices_of(self.camera, [corner.seen])).collect();
         if corners.iter().any(|v| v.sides & (BEHIND | FAR_OUT) != 0) {
             return;
         }

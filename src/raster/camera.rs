@@ -274,6 +274,8 @@ impl Camera {
     }
 
     /// Returns right and down in pixels times `w`, the divisor `w`, and the distance along the view, in model units.
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
+    #[inline(always)]
     pub(super) fn view(&self, point: Vector) -> [f64; 4] {
         let r = minus(point, self.eye);
         let z = dot(r, self.forward);
@@ -308,6 +310,8 @@ impl Camera {
     }
 
     /// Returns the depth as it is stored: linear over the picture, larger if nearer, above 0 and at most about 1.
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
+    #[inline(always)]
     pub(super) fn depth(&self, z: f64) -> f64 {
         match self.projection {
             Projection::Perspective => self.near / z,
@@ -325,6 +329,8 @@ impl Camera {
     }
 
     /// Returns the pixel coordinates of `[X, Y]` divided by `w`.
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
+    #[inline(always)]
     pub(super) fn pixel(&self, [x, y, w, _]: [f64; 4]) -> [f64; 2] {
         [0.5 * self.size_px[0] + x / w, 0.5 * self.size_px[1] + y / w]
     }

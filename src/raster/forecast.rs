@@ -5,7 +5,7 @@
 
 use super::bins::{FEW_TILES, TILE};
 use super::camera::Camera;
-use super::project::{BEHIND, FAR_OUT, STEPS_A_PIXEL, vertex};
+use super::project::{BEHIND, FAR_OUT, STEPS_A_PIXEL, vertices_of};
 use super::samples::Done;
 use super::triangle::{CUT_PX, ROW_PX};
 
@@ -51,7 +51,7 @@ impl RasterForecast {
 
     /// Adds a triangle that will be drawn as `parts` equal ones.
     pub fn add(&mut self, camera: &Camera, corners: [[f64; 3]; 3], parts: f64) {
-        let placed = corners.map(|corner| vertex(camera, camera.view(corner)));
+        let placed = vertices_of(camera, corners.map(|corner| camera.view(corner)));
         let [width, height] = self.size_px;
         let sides = placed.map(|vertex| vertex.sides);
         if sides[0] & sides[1] & sides[2] & !FAR_OUT != 0 {

@@ -1,10 +1,17 @@
 //! Vertices in the picture: sub-pixel coordinates, depth, and on which sides of the picture they lie.
 
 #![expect(clippy::cast_possible_truncation, reason = "values are checked to lie inside the guard band before the cast")]
+#![expect(
+    clippy::needless_bitwise_bool,
+    clippy::needless_range_loop,
+    reason = "loops without branches are vector code"
+)]
 
+use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::camera::{Camera, Projection};
+use crate::math::vector::Vector;
 
 /// Sub-pixel steps a pixel. Exact whole-number coverage needs coordinates on this lattice.
 /// Half of it moves vertices by up to 1/256 of a pixel; twice of it takes a bit from the range of edge functions.
@@ -53,35 +60,110 @@ impl Camera {
     }
 }
 
-/// Returns the vertex of a point in view coordinates (see [`Camera::view`]).
-pub(super) fn vertex(camera: &Camera, seen: [f64; 4]) -> Vertex {
-    let behind = Vertex { sides: BEHIND, ..Vertex::default() };
-    let [x, y] = camera.pixel(seen);
-    let perspective = camera.projection == Projection::Perspective;
-    let in_front = if perspective { seen[2] >= camera.near } else { true };
-    if !(in_front && x.is_finite() && y.is_finite() && seen[3].is_finite()) {
-        return behind;
-    }
-    let [width, height] = camera.size_px;
-    let mut sides = 0;
-    sides |= if x < 0.0 { LEFT } else { 0 };
-    sides |= if x > width { RIGHT } else { 0 };
-    sides |= if y < 0.0 { ABOVE } else { 0 };
-    sides |= if y > height { BELOW } else { 0 };
-    let near_picture = x > -GUARD_BAND && x < width + GUARD_BAND && y > -GUARD_BAND && y < height + GUARD_BAND;
-    if !near_picture {
-        return Vertex { sides: sides | FAR_OUT, ..Vertex::default() };
-    }
-    Vertex { x: snapped(x), y: snapped(y), depth: camera.depth(seen[3]) as f32, sides }
+/// Points that are projected together: four 64-bit numbers fill a vector register of 256 bits, and eight of 32 bits.
+/// Half of it leaves half of the latter empty; twice of it needs four registers for each number.
+const BLOCK_POINTS: usize = 8;
+
+/// A number for each of some points.
+type PointRow<T> = [T; BLOCK_POINTS];
+
+/// The vertices of some points, number by number.
+struct VertexRows {
+    x: PointRow<i32>,
+    y: PointRow<i32>,
+    depth: PointRow<f32>,
+    sides: PointRow<u32>,
 }
 
-/// Rounds to the nearest step; shifted first, so that the cast rounds down on both sides of zero.
-fn snapped(pixels: f64) -> i32 {
-    let shift = 2.0 * GUARD_BAND;
-    ((pixels + shift) * f64::from(STEPS_A_PIXEL) + 0.5) as i32 - (shift as i32) * STEPS_A_PIXEL
+impl VertexRows {
+    #[inline]
+    fn vertex(&self, i: usize) -> Vertex {
+        Vertex { x: self.x[i], y: self.y[i], depth: self.depth[i], sides: self.sides[i] }
+    }
+}
+
+/// Returns the vertices of up to eight points in view coordinates (see [`Camera::view`]).
+pub(super) fn vertices_of<const N: usize>(camera: &Camera, seen: [[f64; 4]; N]) -> [Vertex; N] {
+    let mut rows = [[0.0; BLOCK_POINTS]; 4];
+    for (i, seen) in seen.iter().enumerate() {
+        (0..4).for_each(|k| rows[k][i] = seen[k]);
+    }
+    let placed = placed_rows(camera, &rows);
+    std::array::from_fn(|i| placed.vertex(i))
 }
 
 /// Returns all vertices, computed in parallel.
-pub(super) fn vertices(camera: &Camera, positions: &[[f64; 3]]) -> Vec<Vertex> {
-    positions.par_iter().with_min_len(4096).map(|&p| vertex(camera, camera.view(p))).collect()
+pub(super) fn vertices(camera: &Camera, positions: &[Vector]) -> Vec<Vertex> {
+    /// Points that a thread projects at a time. Half of it makes tasks of less than 50 us; twice of it leaves threads
+    /// idle where points are few.
+    const POINTS_A_TASK: usize = 4096;
+    let mut vertices = vec![Vertex::default(); positions.len()];
+    let tasks = positions.par_chunks(POINTS_A_TASK).zip(vertices.par_chunks_mut(POINTS_A_TASK));
+    tasks.for_each(|(positions, vertices)| project(camera, positions, vertices));
+    vertices
+}
+
+/// Projects points. There are no branches in the loops over eight of them, so that these are vector code; wider vectors
+/// give the same bits.
+#[multiversion(targets("x86_64+avx2"))]
+fn project(camera: &Camera, positions: &[Vector], vertices: &mut [Vertex]) {
+    for (points, vertices) in positions.chunks(BLOCK_POINTS).zip(vertices.chunks_mut(BLOCK_POINTS)) {
+        let mut seen = [[0.0; BLOCK_POINTS]; 4];
+        for (i, point) in points.iter().enumerate() {
+            let of = camera.view(*point);
+            (seen[0][i], seen[1][i], seen[2][i], seen[3][i]) = (of[0], of[1], of[2], of[3]);
+        }
+        let placed = placed(camera, &seen);
+        for (i, vertex) in vertices.iter_mut().enumerate() {
+            *vertex = placed.vertex(i);
+        }
+    }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn placed_rows(camera: &Camera, seen: &[PointRow<f64>; 4]) -> VertexRows {
+    placed(camera, seen)
+}
+
+/// Returns the vertices of points in view coordinates.
+// callers that are compiled for wider vectors need it to be, too
+#[inline(always)]
+fn placed(camera: &Camera, seen: &[PointRow<f64>; 4]) -> VertexRows {
+    // coordinates are shifted by this, so that they are positive and casts round down on both sides of zero
+    const SHIFT: f64 = 2.0 * GUARD_BAND;
+    let is_perspective = camera.projection == Projection::Perspective;
+    let [width, height] = camera.size_px;
+    let row = [0; BLOCK_POINTS];
+    let mut rows = VertexRows { x: row, y: row, depth: [0.0; BLOCK_POINTS], sides: [0; BLOCK_POINTS] };
+    for i in 0..BLOCK_POINTS {
+        let (w, z) = (seen[2][i], seen[3][i]);
+        let [x, y] = camera.pixel([seen[0][i], seen[1][i], w, z]);
+        let is_finite = (x.abs() < f64::INFINITY) & (y.abs() < f64::INFINITY) & (z.abs() < f64::INFINITY);
+        let is_behind = !is_finite | (is_perspective & (w < camera.near));
+        let is_near = (x > -GUARD_BAND) & (x < width + GUARD_BAND) & (y > -GUARD_BAND) & (y < height + GUARD_BAND);
+        let is_placed = is_near & !is_behind;
+        let sides = if x < 0.0 { LEFT } else { 0 } | if x > width { RIGHT } else { 0 };
+        let sides = sides | if y < 0.0 { ABOVE } else { 0 } | if y > height { BELOW } else { 0 };
+        let sides = sides | if is_near { 0 } else { FAR_OUT };
+        rows.sides[i] = if is_behind { BEHIND } else { sides };
+        let snapped = |pixels: f64| {
+            let pixels = if is_placed { pixels } else { 0.0 };
+            let steps = rounded_down((pixels + SHIFT) * f64::from(STEPS_A_PIXEL) + 0.5);
+            let steps = steps.cast_signed() - SHIFT as i32 * STEPS_A_PIXEL;
+            if is_placed { steps } else { 0 }
+        };
+        (rows.x[i], rows.y[i]) = (snapped(x), snapped(y));
+        let depth = camera.depth(z);
+        rows.depth[i] = if is_placed { depth as f32 } else { 0.0 };
+    }
+    rows
+}
+
+/// Returns a number from 0 to 2^32, rounded down. There is no cast, which would be done one by one to saturate.
+#[inline(always)]
+fn rounded_down(x: f64) -> u32 {
+    // numbers from here on have no digits after the point
+    const WHOLE: f64 = 4_503_599_627_370_496.0;
+    let nearest = x + WHOLE;
+    (nearest.to_bits() as u32).wrapping_sub(u32::from(nearest - WHOLE > x))
 }

@@ -2,7 +2,7 @@
 
 use super::binned_model::BinnedModel;
 use super::bins::{TILE, TileGrid};
-use super::project::{BEHIND, RIGHT, Vertex, vertex};
+use super::project::{BEHIND, RIGHT, Vertex, vertices};
 use super::samples::Samples;
 use super::triangle::{NOBODY, SAMPLES};
 use super::*;
@@ -252,8 +252,9 @@ fn pieces_that_lie_beside_the_picture_are_drawn_into_its_last_tiles() {
     let model = Model { positions: &positions, triangles: &[[0, 1, 2]], normals, surface, strokes: &[] };
     let grid = TileGrid::of(70, 70);
     let binned = BinnedModel::new(&model, &camera, grid, &Watch::new()).expect("nobody says stop");
-    assert!(positions[..2].iter().all(|&p| vertex(&camera, camera.view(p)).sides == RIGHT));
-    assert_eq!(vertex(&camera, camera.view(positions[2])).sides, BEHIND);
+    let seen = vertices(&camera, &positions);
+    assert!(seen[..2].iter().all(|vertex| vertex.sides == RIGHT));
+    assert_eq!(seen[2].sides, BEHIND);
     let touched: Vec<usize> = (0..9).filter(|&tile| binned.touches(tile)).collect();
     assert!(touched.contains(&2), "the last tile of the first row, of {touched:?}");
 }
