@@ -221,7 +221,8 @@ fn on_map<'a>(row: &ShadowRow<'a>, first: f64) -> OnMap {
 }
 
 /// Returns the fraction of its light that the ground loses at the pixels of a row of a tile, interpolated between the
-/// darkness of four cells around each: above, right of that, below, and right of that. Wider vectors give the same bits.
+/// darkness of four cells around each: above, right of that, below, and right of that. Wider vectors give the same
+/// bits.
 #[multiversion(targets("x86_64+avx2"))]
 fn blended(map: &OnMap, around: &[[f32; TILE]; 4]) -> [f32; TILE] {
     let mut dark = [0.0; TILE];

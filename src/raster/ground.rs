@@ -35,7 +35,7 @@ const FIRM_STAND: f64 = 0.01;
 const TOUCH_DIRECTIONS: usize = 16;
 
 /// A place: two horizontal coordinates, the height, and 0. Four numbers fill a vector register.
-pub(super) type Place = [f32; 4];
+pub(super) type GroundPlace = [f32; 4];
 
 /// The components of three axes and of a fourth one, which is 0, to the first, the second and the third direction.
 type AxisRows = [[f64; 4]; 3];
@@ -49,7 +49,7 @@ pub(super) struct GroundFrame<'a> {
     height: f64,
     pub(super) triangles: &'a [[u32; 3]],
     /// The places of the vertices in these coordinates.
-    pub(super) places: Vec<Place>,
+    pub(super) places: Vec<GroundPlace>,
     /// Whether a triangle has this vertex.
     is_used: Vec<AtomicBool>,
 }
@@ -114,7 +114,7 @@ impl<'a> GroundFrame<'a> {
         let join = |a: [f64; TOUCH_DIRECTIONS], b: [f64; TOUCH_DIRECTIONS]| std::array::from_fn(|k| a[k].max(b[k]));
         let sole = (SOLE_HEIGHT * self.height) as f32;
         let [x, y] = self.centre();
-        let of = |(places, is_used): (&[Place], &[AtomicBool])| {
+        let of = |(places, is_used): (&[GroundPlace], &[AtomicBool])| {
             let low = places.iter().zip(is_used).filter(|(p, is_used)| p[2] <= sole && is_used.load(Ordering::Relaxed));
             low.fold(none, |far, (p, _)| {
                 let (right, ahead) = (f64::from(p[0]) - x, f64::from(p[1]) - y);
@@ -161,7 +161,7 @@ fn extent(rows: &AxisRows, points: &[Vector], is_used: &[AtomicBool]) -> [[f64; 
 
 /// Finds the places of points in units of `half` from `middle`. Wider vectors give the same bits.
 #[multiversion(targets("x86_64+avx2"))]
-fn place(rows: &AxisRows, (middle, half): (Vector, f64), points: &[Vector], places: &mut [Place]) {
+fn place(rows: &AxisRows, (middle, half): (Vector, f64), points: &[Vector], places: &mut [GroundPlace]) {
     for (place, point) in places.iter_mut().zip(points) {
         let along = along(rows, [point[0] - middle[0], point[1] - middle[1], point[2] - middle[2]]);
         for k in 0..4 {
@@ -173,7 +173,7 @@ fn place(rows: &AxisRows, (middle, half): (Vector, f64), points: &[Vector], plac
 /// Returns the sum of the centres of triangles on the ground, weighted by area, and the sum of the areas, both times 2.
 /// Triangles without an area that is a number do not count. Wider vectors give the same bits.
 #[multiversion(targets("x86_64+avx2"))]
-fn weighed(places: &[Place], triangles: &[[u32; 3]]) -> Vector {
+fn weighed(places: &[GroundPlace], triangles: &[[u32; 3]]) -> Vector {
     let mut sums = [0.0; 4];
     let mut areas = 0.0;
     for &[a, b, c] in triangles {

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-use super::ground::{GroundFrame, ITEMS_PER_TASK, Place, SHADOW_REACH};
+use super::ground::{GroundFrame, GroundPlace, ITEMS_PER_TASK, SHADOW_REACH};
 use super::pixmap::rounded_down;
 use crate::watch::{Stopped, Watch};
 
@@ -29,8 +29,8 @@ const SHADOW_DARKNESS: [f32; 2] = [0.5, 0.36];
 /// A map of the ground: places times `scale` plus `shift` are counted in cells from its corner; heights are unchanged.
 struct GroundMap {
     cells: u32,
-    scale: Place,
-    shift: Place,
+    scale: GroundPlace,
+    shift: GroundPlace,
     /// The last cell of a row or column.
     last: f32,
 }
@@ -96,7 +96,7 @@ impl GroundFrame<'_> {
 /// Lowers the cells below triangles to their heights there. Returns the number of sampled places, or a number above
 /// `most` without more than that. Wider vectors give the same bits.
 #[multiversion(targets("x86_64+avx2"))]
-fn lay(map: &GroundMap, (places, triangles): (&[Place], &[[u32; 3]]), heights: &mut [f32], most: u64) -> u64 {
+fn lay(map: &GroundMap, (places, triangles): (&[GroundPlace], &[[u32; 3]]), heights: &mut [f32], most: u64) -> u64 {
     let mut n_places = 0;
     for &[a, b, c] in triangles {
         let (a, b, c) = (&places[a as usize], &places[b as usize], &places[c as usize]);
@@ -123,7 +123,7 @@ fn lay(map: &GroundMap, (places, triangles): (&[Place], &[[u32; 3]]), heights: &
 }
 
 /// The largest sides of a triangle that counts as a single place, in cells; all heights will do that are numbers.
-const SMALL: Place = [1.0, 1.0, f32::MAX, f32::MAX];
+const SMALL: GroundPlace = [1.0, 1.0, f32::MAX, f32::MAX];
 
 impl GroundMap {
     fn new(cells: usize) -> Self {
@@ -135,7 +135,7 @@ impl GroundMap {
 
     #[expect(clippy::inline_always, reason = "only code inside of `lay` uses its wider vectors")]
     #[inline(always)]
-    fn place(&self, place: &Place) -> Place {
+    fn place(&self, place: &GroundPlace) -> GroundPlace {
         let mut on_map = [0.0; 4];
         for k in 0..4 {
             on_map[k] = place[k] * self.scale[k] + self.shift[k];
@@ -155,7 +155,7 @@ impl GroundMap {
     /// Lowers the cell at a place to its height.
     #[expect(clippy::inline_always, reason = "only code inside of `lay` uses its wider vectors")]
     #[inline(always)]
-    fn lower(&self, heights: &mut [f32], [x, y, height, _]: Place) {
+    fn lower(&self, heights: &mut [f32], [x, y, height, _]: GroundPlace) {
         let least = &mut heights[self.cell(x, y) as usize];
         *least = if height < *least { height } else { *least };
     }
@@ -164,7 +164,7 @@ impl GroundMap {
     /// above `most`, none are.
     #[expect(clippy::inline_always, reason = "only code inside of `lay` uses its wider vectors")]
     #[inline(always)]
-    fn lay(&self, corners: &[Place; 3], heights: &mut [f32], most: u64) -> u64 {
+    fn lay(&self, corners: &[GroundPlace; 3], heights: &mut [f32], most: u64) -> u64 {
         if !corners.as_flattened().iter().all(|u| u.is_finite()) {
             return 0;
         }
@@ -212,8 +212,8 @@ impl GroundMap {
 /// Returns the number of parts into which each side of a triangle is divided, so that no cell below it is missed.
 #[expect(clippy::inline_always, reason = "only code inside of `lay` uses its wider vectors")]
 #[inline(always)]
-fn parts(corners: &[Place; 3]) -> usize {
-    let side = |a: &Place, b: &Place| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+fn parts(corners: &[GroundPlace; 3]) -> usize {
+    let side = |a: &GroundPlace, b: &GroundPlace| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
     let longest =
         side(&corners[0], &corners[1]).max(side(&corners[1], &corners[2])).max(side(&corners[2], &corners[0]));
     if longest <= 1.0 { 1 } else { longest.ceil() as usize }
@@ -260,4 +260,71 @@ fn smoothed(mut map: Vec<f32>, cells: usize, reach: usize) -> Vec<f32> {
         }
     }
     map
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::collection;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const CELLS: usize = 24;
+
+    /// What [`lay`] does, one place of a triangle after the other.
+    fn laid(places: &[GroundPlace], triangles: &[[u32; 3]]) -> (Vec<f32>, u64) {
+        let mut heights = vec![DARKENING_HEIGHT; CELLS * CELLS];
+        let half = 0.5 * CELLS as f32;
+        let scale = half / (1.0 + SHADOW_REACH as f32);
+        let mut n_places = 0;
+        for triangle in triangles {
+            let corners = triangle.map(|v| places[v as usize]);
+            if corners.iter().all(|corner| !(corner[2] < DARKENING_HEIGHT))
+                || corners.as_flattened().iter().any(|u| !u.is_finite())
+            {
+                continue;
+            }
+            let [a, b, c] = corners.map(|[x, y, height, _]| [x * scale + half, y * scale + half, height]);
+            let side = |a: [f32; 3], b: [f32; 3]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+            let n = side(a, b).max(side(b, c)).max(side(c, a)).ceil().max(1.0) as usize;
+            n_places += (n as u64 + 1).pow(2) / 2;
+            let step = 1.0 / n as f32;
+            for j in 0..=n {
+                // of a triangle smaller than a cell only the first corner counts
+                for i in (0..=n - j).filter(|i| n > 1 || (*i, j) == (0, 0)) {
+                    let at = |k: usize| a[k] + i as f32 * (step * (b[k] - a[k])) + j as f32 * (step * (c[k] - a[k]));
+                    let [x, y] = [at(0), at(1)].map(|u| (u.max(0.0) as usize).min(CELLS - 1));
+                    let least = &mut heights[y * CELLS + x];
+                    *least = least.min(at(2));
+                }
+            }
+        }
+        (heights, n_places)
+    }
+
+    proptest! {
+        #[test]
+        fn cells_are_lowered_as_by_one_place_after_the_other(
+            numbers in collection::vec((-1.5_f32..1.5, -1.5_f32..1.5, -0.1_f32..0.6), 3..40),
+            corners in collection::vec((0..40_u32, 0..40_u32, 0..40_u32), 1..40),
+            strange in collection::vec((0..40_usize, 0..3_usize, prop::num::f32::ANY), 0..3),
+            size in prop::sample::select(vec![0.02_f32, 0.3, 1.0]),
+        ) {
+            let mut places: Vec<GroundPlace> =
+                numbers.iter().map(|(x, y, height)| [size * x, size * y, *height, 0.0]).collect();
+            let n = places.len();
+            for (i, k, number) in strange {
+                // usual places are within the map, others no numbers
+                places[i % n][k] = if number.is_finite() { number % 2.0 } else { number };
+            }
+            let vertex = |v: u32| v % u32::try_from(n).expect("some dozens");
+            let triangles: Vec<[u32; 3]> = corners.iter().map(|(a, b, c)| [*a, *b, *c].map(vertex)).collect();
+            let mut heights = vec![DARKENING_HEIGHT; CELLS * CELLS];
+            let n_places = lay(&GroundMap::new(CELLS), (&places, &triangles), &mut heights, u64::MAX);
+            prop_assert_eq!((heights, n_places), laid(&places, &triangles));
+            let mut few = vec![DARKENING_HEIGHT; CELLS * CELLS];
+            let told = lay(&GroundMap::new(CELLS), (&places, &triangles), &mut few, n_places / 2);
+            prop_assert!(n_places < 2 || told > n_places / 2, "{told} of {n_places}");
+        }
+    }
 }

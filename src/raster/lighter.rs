@@ -49,9 +49,9 @@ struct RowParts {
     cut: u32,
 }
 
-/// The number of triangles at the first samples of a row from which those at the other samples are looked up ahead, too:
-/// they are too small to be seen at the first sample of some pixel. Half of it looks up parts in vain, twice of it finds
-/// many facets alone; pictures are the same.
+/// The number of triangles at the first samples of a row from which those at the other samples are looked up ahead,
+/// too, as many are so small that no pixel sees them at its first sample. Half of it looks up parts in vain, twice of
+/// it finds many facets alone; pictures are the same.
 const CROWDED_ROW: u32 = 12;
 
 impl RowParts {

@@ -167,3 +167,54 @@ fn rounded_down(x: f64) -> u32 {
     let nearest = x + WHOLE;
     (nearest.to_bits() as u32).wrapping_sub(u32::from(nearest - WHOLE > x))
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::collection;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::raster::camera::View;
+
+    /// The vertex of a point, by casts and branches.
+    fn vertex(camera: &Camera, point: Vector) -> Vertex {
+        let seen = camera.view(point);
+        let [x, y] = camera.pixel(seen);
+        let in_front = camera.projection == Projection::Orthographic || seen[2] >= camera.near;
+        if !(in_front && x.is_finite() && y.is_finite() && seen[3].is_finite()) {
+            return Vertex { sides: BEHIND, ..Vertex::default() };
+        }
+        let [width, height] = camera.size_px;
+        let beyond = [(x < 0.0, LEFT), (x > width, RIGHT), (y < 0.0, ABOVE), (y > height, BELOW)];
+        let sides = beyond.iter().filter(|(is, _)| *is).fold(0, |sides, (_, side)| sides | side);
+        let is_near = |u: f64, side: f64| u > -GUARD_BAND && u < side + GUARD_BAND;
+        if !(is_near(x, width) && is_near(y, height)) {
+            return Vertex { sides: sides | FAR_OUT, ..Vertex::default() };
+        }
+        let snapped = |pixels: f64| (pixels * f64::from(STEPS_A_PIXEL) + 0.5).floor() as i32;
+        Vertex { x: snapped(x), y: snapped(y), depth: camera.depth(seen[3]) as f32, sides }
+    }
+
+    proptest! {
+        #[test]
+        fn points_are_projected_together_as_each_of_them_alone(
+            points in collection::vec(prop::array::uniform3(-3.0..3.0), 1..40),
+            scale in prop::sample::select(vec![0.3, 1.0, 10.0, 1e300]),
+            strange in (0..40_usize, prop::num::f64::ANY),
+            is_orthographic in any::<bool>(),
+        ) {
+            let projection = if is_orthographic { Projection::Orthographic } else { Projection::Perspective };
+            let view = View { projection, ..View::default() };
+            let camera = Camera::framing(&view, &[&[[-1.0; 3], [1.0; 3]]], 640, 480);
+            let mut points: Vec<Vector> = points.iter().map(|point| point.map(|u| scale * u)).collect();
+            if let Some(point) = points.get_mut(strange.0) {
+                point[1] = strange.1;
+            }
+            let placed = vertices(&camera, &points);
+            let numbers = |vertex: &Vertex| (vertex.x, vertex.y, vertex.depth.to_bits(), vertex.sides);
+            for (point, found) in points.iter().zip(&placed) {
+                prop_assert_eq!(numbers(found), numbers(&vertex(&camera, *point)), "{:?}", point);
+            }
+        }
+    }
+}
