@@ -279,7 +279,7 @@ mod tests {
         let mut n_places = 0;
         for triangle in triangles {
             let corners = triangle.map(|v| places[v as usize]);
-            if corners.iter().all(|corner| !(corner[2] < DARKENING_HEIGHT))
+            if corners.iter().all(|corner| corner[2] >= DARKENING_HEIGHT)
                 || corners.as_flattened().iter().any(|u| !u.is_finite())
             {
                 continue;
