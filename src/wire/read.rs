@@ -9,6 +9,11 @@ use crate::fault::{Fault, cut, did_you_mean, shortened, token};
 /// Maximum number of characters of the sentence about a fault; the longest of our own takes half as many.
 const MAX_READ_DETAIL: usize = 1000;
 
+/// The byte order mark with which some programs begin UTF-8. RFC 8259, section 8.1, forbids it.
+const UTF_8_MARK: &[u8] = b"\xef\xbb\xbf";
+/// Those of UTF-16, in which some shells write files.
+const UTF_16_MARKS: [&[u8]; 2] = [b"\xff\xfe", b"\xfe\xff"];
+
 /// The reason why bytes are not a request.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ReadError {
@@ -54,6 +59,8 @@ fn refusal(error: &serde_json::Error, pointer: String, bytes: &[u8]) -> ReadErro
         let deep = text.starts_with("recursion limit");
         let remedy = match broken.as_ref().unwrap_or(error) {
             _ if deep => "; lists and objects are nested too deep",
+            _ if bytes.starts_with(UTF_8_MARK) => "; it begins with a byte order mark, send UTF-8 without it",
+            _ if UTF_16_MARKS.iter().any(|mark| bytes.starts_with(*mark)) => "; it is UTF-16, send UTF-8",
             error if is_no_number(bytes, error) => "; JSON has neither NaN nor Infinity, all numbers are finite",
             _ => "",
         };

@@ -19,6 +19,13 @@ fn text_that_is_not_json_is_400_with_line_and_column() {
                 assert!(detail.contains("line 1 column"), "{path} {text:?}: {detail}");
             }
             server.post_text(path, &b"{\"input\": \"\xff\"}"[..], &[]).await.problem(400, "not-json");
+            // as editors and shells of some systems write files
+            for (text, remedy) in [(&b"\xef\xbb\xbf{}"[..], "send UTF-8 without it"), (b"\xff\xfe{\0}\0", "send UTF-8")]
+            {
+                let problem = server.post_text(path, text, &[]).await.problem(400, "not-json");
+                let detail = problem["detail"].as_str().unwrap();
+                assert!(detail.ends_with(remedy), "{path}: {detail}");
+            }
         }
     });
 }
