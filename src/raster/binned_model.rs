@@ -190,7 +190,7 @@ impl<'a> BinnedModel<'a> {
     /// Returns the corners of triangle `id` in the picture and the normals there as they stand in the model; `None` if
     /// it is a piece, or if normals are not those of vertices.
     #[inline]
-    pub(super) fn vertices(&self, id: u32) -> Option<([&Vertex; 3], [&Vector; 3])> {
+    pub(super) fn shaded_corners(&self, id: u32) -> Option<([&Vertex; 3], [&Vector; 3])> {
         let triangle = self.model.triangles.get(id as usize)?;
         let ShadingNormals::Vertices(normals) = self.model.normals else { return None };
         Some((self.placed(triangle), triangle.map(|v| &normals[v as usize])))

@@ -9,8 +9,8 @@ pub(super) const TILE: usize = 32;
 pub(super) struct TileRect {
     /// The first tile; tiles are numbered row by row from the top.
     pub(super) first: u32,
-    /// How many tiles there are beside the first one, see [`TileRect::more`].
-    pub(super) more: u32,
+    /// The numbers of further columns to the right and of further rows below, see [`TileRect::packed`].
+    pub(super) further: u32,
 }
 
 impl TileRect {
@@ -24,7 +24,10 @@ impl TileRect {
         let [left, top, right, bottom] = [tile(left), tile(top), tile(right), tile(bottom)];
         (left < grid.columns && top < grid.rows).then(|| Self {
             first: u32::from(top) * u32::from(grid.columns) + u32::from(left),
-            more: Self::more((right.min(grid.columns - 1) - left).into(), (bottom.min(grid.rows - 1) - top).into()),
+            further: Self::packed(
+                (right.min(grid.columns - 1) - left).into(),
+                (bottom.min(grid.rows - 1) - top).into(),
+            ),
         })
     }
 
@@ -32,7 +35,7 @@ impl TileRect {
     /// 0 for a single tile.
     #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
     #[inline(always)]
-    pub(super) fn more(across: u32, down: u32) -> u32 {
+    pub(super) fn packed(across: u32, down: u32) -> u32 {
         across | down << 16
     }
 
@@ -40,10 +43,10 @@ impl TileRect {
     #[inline]
     fn each(self, columns: usize, mut at: impl FnMut(usize)) {
         let first = self.first as usize;
-        if self.more == 0 {
+        if self.further == 0 {
             return at(first);
         }
-        let [across, down] = self.numbers();
+        let [across, down] = self.unpacked();
         for row in 0..=down {
             (0..=across).for_each(|column| at(first + row * columns + column));
         }
@@ -51,15 +54,15 @@ impl TileRect {
 
     /// Returns the numbers of further columns and rows.
     #[inline]
-    fn numbers(self) -> [usize; 2] {
-        [self.more as usize & 0xffff, self.more as usize >> 16]
+    fn unpacked(self) -> [usize; 2] {
+        [self.further as usize & 0xffff, self.further as usize >> 16]
     }
 
     /// Returns whether it has more than [`FEW_TILES`].
     #[inline]
     fn is_large(self) -> bool {
-        let [across, down] = self.numbers();
-        self.more != 0 && (across + 1) * (down + 1) > FEW_TILES
+        let [across, down] = self.unpacked();
+        self.further != 0 && (across + 1) * (down + 1) > FEW_TILES
     }
 }
 
@@ -137,7 +140,8 @@ impl Bins {
                 *next += 1;
             });
         }
-        let nearest = tiles.into_iter().map(|(_, nearest)| nearest).collect();
+        // not in place, which would keep the memory of the numbers of items
+        let nearest = tiles.iter().map(|(_, nearest)| *nearest).collect();
         Self { starts, items, large, nearest }
     }
 

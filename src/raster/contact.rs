@@ -4,8 +4,8 @@
 //! and the map is smoothed twice: a little for parts that touch the ground, more for parts that are higher.
 
 #![expect(clippy::cast_precision_loss, reason = "cells are counted in hundreds")]
-#![expect(clippy::cast_possible_truncation, reason = "light needs no more than the precision of f32")]
-#![expect(clippy::cast_sign_loss, reason = "places are clamped to the map before the cast")]
+#![expect(clippy::cast_possible_truncation, reason = "light needs no more than f32, and places are within the map")]
+#![expect(clippy::cast_sign_loss, reason = "places are clamped to the picture before the cast")]
 
 use multiversion::multiversion;
 
@@ -152,11 +152,11 @@ impl ShadowRow<'_> {
             return None;
         }
         let map = on_map(self, first as f64);
-        let (cells, dark) = (self.shadow.cells, &self.shadow.dark);
+        let dark = &self.shadow.dark;
         let mut around = [[0.0; TILE]; 4];
         for i in (0..TILE).filter(|i| map.share[*i] > 0.0) {
             let (cell, right) = (map.cell[i] as usize, map.right[i] as usize);
-            let below = if map.has_below[i] { cell + cells } else { cell };
+            let below = cell + map.below[i] as usize;
             let found = [dark[cell], dark[cell + right], dark[below], dark[below + right]];
             (around[0][i], around[1][i], around[2][i], around[3][i]) = (found[0], found[1], found[2], found[3]);
         }
@@ -169,10 +169,9 @@ impl ShadowRow<'_> {
 struct OnMap {
     /// The cell whose centre is to the left of the place and above it.
     cell: [u32; TILE],
-    /// How many cells the one to the right is away: 1, or 0 at the edge of the map.
+    /// How many cells after it that to the right comes, and that below: 0 at the edge of the map.
     right: [u32; TILE],
-    /// Whether there is a cell below.
-    has_below: [bool; TILE],
+    below: [u32; TILE],
     /// How far the place is from the centre of the cell to that of the next, to the right and down.
     way: [[f32; TILE]; 2],
     /// By how much of its width each pixel is inside the band along the edge of the picture; 0 for pixels that do not
@@ -191,8 +190,7 @@ fn on_map<'a>(row: &ShadowRow<'a>, first: f64) -> OnMap {
     let middle_px = shadow.middle_px;
     let fade_px = FADE_WIDTH * 2.0 * middle_px[0].min(middle_px[1]);
     let none = [0; TILE];
-    let mut map =
-        OnMap { cell: none, right: none, has_below: [false; TILE], way: [[0.0; TILE]; 2], share: [0.0; TILE] };
+    let mut map = OnMap { cell: none, right: none, below: none, way: [[0.0; TILE]; 2], share: [0.0; TILE] };
     for i in 0..TILE {
         let x = first + f64::from(i as u32);
         let along = |v: &[Vector; 2], k: usize| v[0][k] + x * v[1][k];
@@ -209,7 +207,7 @@ fn on_map<'a>(row: &ShadowRow<'a>, first: f64) -> OnMap {
         }
         map.cell[i] = (corner[1] * cells + corner[0] + WHOLE).to_bits() as u32;
         map.right[i] = u32::from(corner[0] < last);
-        map.has_below[i] = corner[1] < last;
+        map.below[i] = if corner[1] < last { shadow.cells as u32 } else { 0 };
         let edge_px = middle_px[0] - (x + 0.5 - middle_px[0]).abs();
         let edge_px = if edge_px < row.edge_px { edge_px } else { row.edge_px };
         let inside = edge_px / fade_px;
@@ -234,4 +232,62 @@ fn blended(map: &OnMap, around: &[[f32; TILE]; 4]) -> [f32; TILE] {
         dark[i] = if share > 0.0 { blended } else { 0.0 };
     }
     dark
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::ShadingNormals;
+    use crate::raster::camera::View;
+
+    /// The darkness of the ground at a pixel of a row, by casts, for itself.
+    fn darkness_at(row: &ShadowRow<'_>, x: usize) -> f32 {
+        let shadow = row.shadow;
+        let along = |v: &[Vector; 2], k: usize| v[0][k] + x as f64 * v[1][k];
+        let way = -along(&row.origin, 2) / along(&row.ray, 2);
+        let place = [0, 1].map(|k| along(&row.origin, k) + way * along(&row.ray, k));
+        let [left, _, right, _] = shadow.reach_px;
+        if x < left || x >= right || way <= 0.0 || place.iter().any(|u| u.abs() >= 1.0) {
+            return 0.0;
+        }
+        let last = shadow.cells - 1;
+        let [u, v] = place.map(|u| ((0.5 * u + 0.5) * shadow.cells as f64 - 0.5).clamp(0.0, last as f64));
+        let (across, down) = (u as usize, v as usize);
+        let (right, below) = ((across + 1).min(last), (down + 1).min(last));
+        let cell = |x: usize, y: usize| shadow.dark[y * shadow.cells + x];
+        let (u, v) = ((u - across as f64) as f32, (v - down as f64) as f32);
+        let upper = cell(across, down) + u * (cell(right, down) - cell(across, down));
+        let lower = cell(across, below) + u * (cell(right, below) - cell(across, below));
+        let fade_px = FADE_WIDTH * 2.0 * shadow.middle_px[0].min(shadow.middle_px[1]);
+        let edge_px = shadow.middle_px[0] - (x as f64 + 0.5 - shadow.middle_px[0]).abs();
+        let share = (edge_px.min(row.edge_px) / fade_px).min(1.0) as f32;
+        if share > 0.0 { (upper + v * (lower - upper)) * share * share * (3.0 - 2.0 * share) } else { 0.0 }
+    }
+
+    #[test]
+    fn the_shadow_of_a_row_is_that_of_each_of_its_pixels() {
+        let positions = [[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [0.3, 0.2, 1.0], [0.5, 1.0, 0.4]];
+        let triangles = [[0, 1, 2], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let surface = TriangleAppearance::Lit([200; 4]);
+        let normals = ShadingNormals::Planes;
+        let model = Model { positions: &positions, triangles: &triangles, normals, surface, strokes: &[] };
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let view = View { projection, zoom: 0.7, ..View::default() };
+            let camera = Camera::framing(&view, &[&positions], 200, 150);
+            let shadow = Shadow::of(&model, &camera, Ground::Always, &Watch::new()).expect("nobody says stop");
+            let shadow = shadow.expect("the ground is seen from above");
+            let mut n_dark = 0;
+            for (y, row) in (0..150).filter_map(|y| Some((y, shadow.row(y)?))) {
+                for first in (0..200).step_by(TILE) {
+                    let found = row.dark(first).unwrap_or([0.0; TILE]);
+                    for (x, found) in (first..).zip(found) {
+                        let expected = darkness_at(&row, x);
+                        assert_eq!(found.to_bits(), expected.to_bits(), "pixel {x}, {y}: {found}, {expected}");
+                        n_dark += usize::from(found > 0.0);
+                    }
+                }
+            }
+            assert!(n_dark > 1000, "{n_dark} pixels are dark");
+        }
+    }
 }

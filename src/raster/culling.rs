@@ -16,9 +16,9 @@ use super::triangle_block::{BLOCK_TRIANGLES, BlockRow, TriangleBlock};
 /// What becomes of the triangles of a block.
 pub(super) struct BlockFates {
     fate: BlockRow<u32>,
-    /// The first tile, and how many more there are.
+    /// The first tile, and the numbers of further columns and rows, packed.
     first: BlockRow<u32>,
-    more: BlockRow<u32>,
+    further: BlockRow<u32>,
     nearest: BlockRow<f32>,
 }
 
@@ -53,7 +53,7 @@ impl BlockFates {
             CUT => TriangleFate::Cut,
             side => TriangleFate::Seen {
                 is_back: side == BACK,
-                rect: TileRect { first: self.first[i], more: self.more[i] },
+                rect: TileRect { first: self.first[i], further: self.further[i] },
                 nearest: self.nearest[i],
             },
         }
@@ -66,7 +66,7 @@ impl BlockFates {
 fn fates(grid: TileGrid, block: &TriangleBlock) -> BlockFates {
     let (columns, rows) = (i32::from(grid.columns), i32::from(grid.rows));
     let row = [0; BLOCK_TRIANGLES];
-    let mut found = BlockFates { fate: row, first: row, more: row, nearest: [0.0; BLOCK_TRIANGLES] };
+    let mut found = BlockFates { fate: row, first: row, further: row, nearest: [0.0; BLOCK_TRIANGLES] };
     let mut area = [0.0; BLOCK_TRIANGLES];
     for i in 0..BLOCK_TRIANGLES {
         area[i] = block.area(i);
@@ -82,7 +82,7 @@ fn fates(grid: TileGrid, block: &TriangleBlock) -> BlockFates {
         found.first[i] = (first_row * columns + first_column) as u32;
         let across = tile(right).min(columns - 1) - first_column;
         let down = tile(bottom).min(rows - 1) - first_row;
-        found.more[i] = TileRect::more(across as u32, down as u32);
+        found.further[i] = TileRect::packed(across as u32, down as u32);
         [_, found.nearest[i]] = TriangleBlock::range(&block.depth, i);
         let (a, b, c) = (block.sides[0][i], block.sides[1][i], block.sides[2][i]);
         let is_outside = a & b & c & !FAR_OUT != 0;

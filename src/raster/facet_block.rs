@@ -41,12 +41,12 @@ struct FacetCorners {
     normals: [[FacetRow<f64>; 3]; 3],
 }
 
-/// How the numbers at the corners of some triangles vary over a tile: in each array first at pixel (0, 0), then the
-/// increments to the right and down.
+/// How the numbers at the corners of some triangles vary over a tile: the value at pixel (0, 0), then its increments to
+/// the right and down.
 struct FacetSlopes {
-    /// The weights of each corner.
+    /// For each corner, how its weight varies.
     weights: [[FacetRow<f32>; 3]; 3],
-    /// The components of the normal.
+    /// The value and the increments of the normal, component by component.
     normal: [[FacetRow<f32>; 3]; 3],
     /// 1 if the back of the triangle is seen, else 0.
     back: FacetRow<f32>,
@@ -86,11 +86,11 @@ impl<'a> FacetBlock<'a> {
     /// stored depth, which is inverse to the distance.
     pub(super) fn of(model: &'a BinnedModel<'a>, ids: &'a [u32], origin: [i32; 2]) -> Self {
         let none = [[0; BLOCK_FACETS]; 3];
-        // rows without a triangle are of no account, but are not undefined
+        // lanes without a triangle are of no account, but their normals are not undefined
         let one = [[1.0; BLOCK_FACETS]; 3];
         let mut rows = FacetCorners { x: none, y: none, depth: [[1.0; BLOCK_FACETS]; 3], normals: [one; 3] };
         for (i, &id) in ids.iter().enumerate().take(BLOCK_FACETS) {
-            match model.vertices(id) {
+            match model.shaded_corners(id) {
                 Some((corners, normals)) => rows.set(i, corners, normals),
                 None => rows.set(i, model.corners(id), model.normals(id).each_ref()),
             }
@@ -183,4 +183,43 @@ fn slopes(corners: &FacetCorners, origin: [i32; 2], is_perspective: bool) -> Fac
         }
     }
     slopes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::bins::TileGrid;
+    use crate::raster::camera::{Camera, View};
+    use crate::raster::model::{Model, ShadingNormals, TriangleAppearance};
+    use crate::watch::Watch;
+
+    #[test]
+    fn facets_of_a_block_are_those_of_each_triangle_alone() {
+        let turn = |k: u32| f64::from(k) * 0.61;
+        let (cos, sin) = (crate::math::functions::cos, crate::math::functions::sin);
+        let positions: Vec<Vector> = (0..10).map(|k| [cos(turn(k)), 0.3 * sin(3.0 * turn(k)), sin(turn(k))]).collect();
+        let triangles: Vec<[u32; 3]> = (0..8).map(|k| [k, k + 1, if k % 2 == 0 { k + 2 } else { 0 }]).collect();
+        // the normal of vertex 4 is undefined: its triangles have those of their planes there
+        let normals: Vec<Vector> =
+            (0..10).map(|k| if k == 4 { [0.0; 3] } else { [0.1 * f64::from(k), 1.0, -0.5] }).collect();
+        let normals = ShadingNormals::Vertices(&normals);
+        let surface = TriangleAppearance::Lit([200; 4]);
+        let model = Model { positions: &positions, triangles: &triangles, normals, surface, strokes: &[] };
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let camera = Camera::framing(&View { projection, ..View::default() }, &[&positions], 96, 64);
+            let grid = TileGrid::of(96, 64);
+            let model = BinnedModel::new(&model, &camera, grid, &Watch::new()).expect("nobody says stop");
+            let ids: Vec<u32> = (0..8).collect();
+            let bits = |facet: Facet| [facet.base, facet.right, facet.down].map(|u| u.map(f32::to_bits));
+            for n in [8, 5] {
+                let block = FacetBlock::of(&model, &ids[..n], [32, 0]);
+                for i in 0..n {
+                    let alone = FacetBlock::of(&model, &ids[i..=i], [32, 0]).facet(0);
+                    assert_eq!(bits(block.facet(i)), bits(alone), "triangle {i} of {n}");
+                }
+            }
+            let plain = FacetBlock::of(&model, &[4], [0, 0]).facet(0).normal([40.0, 20.0]);
+            assert!(plain[..3].iter().all(|u| u.is_finite()) && plain[..3].iter().any(|u| u.abs() > 0.0), "{plain:?}");
+        }
+    }
 }

@@ -73,9 +73,11 @@ impl Facets {
 
     /// Finds the facets of the triangles that wait.
     pub(super) fn settle(&mut self, model: &BinnedModel<'_>, origin: [i32; 2]) {
-        let waiting = self.waiting;
-        self.learn(model, &waiting[..self.n_waiting.min(BLOCK_FACETS)], origin);
-        self.n_waiting = 0;
+        if self.n_waiting > 0 {
+            let waiting = self.waiting;
+            self.learn(model, &waiting[..self.n_waiting.min(BLOCK_FACETS)], origin);
+            self.n_waiting = 0;
+        }
     }
 
     /// Returns the facet of triangle `owner` in the tile at `origin`, with the variation of its paint, if it has any.

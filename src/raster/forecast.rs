@@ -18,7 +18,7 @@ const VIEWED_PIXELS_A_ROW: f64 = 100.0;
 /// Half or twice of it tells half or twice the time of such a face, and nothing of other pictures.
 const TRIANGLES_A_ROW: f64 = 8.0;
 /// Triangles that are projected, clipped and sorted into tiles in 100 ns: 50 ns each, measured with a million small
-/// ones before eight of them were culled at once.
+/// ones before eight of them were projected and culled at once.
 /// Half or twice of it tells pictures of fine meshes to take twice or half of what they take.
 const SORTED_A_ROW: f64 = 2.0;
 /// Tiles that a line crosses, over those beside each other along its longer side.

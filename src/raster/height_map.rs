@@ -1,8 +1,8 @@
 //! The least height of a model above each cell of a map of the ground, and how dark it makes the ground.
 
 #![expect(clippy::cast_precision_loss, reason = "cells are counted in hundreds")]
-#![expect(clippy::cast_possible_truncation, reason = "places are clamped to the map before the cast")]
-#![expect(clippy::cast_sign_loss, reason = "places are clamped to the map before the cast")]
+#![expect(clippy::cast_possible_truncation, reason = "there are some hundred cells, and places need no more than f32")]
+#![expect(clippy::cast_sign_loss, reason = "lengths are not negative")]
 #![expect(clippy::needless_bitwise_bool, reason = "loops without branches are vector code")]
 
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -39,8 +39,9 @@ struct GroundMap {
 /// leaves half of that empty; twice of it looks at more places beside small triangles in vain.
 const PLACE_LANES: usize = 8;
 
-/// Sampled places of triangles whose sides have up to this number of parts are tabled. Half of it leaves triangles of
-/// some cells to the slower way, which takes one place after the other; twice of it is a table for few triangles.
+/// Sampled places of triangles whose sides have up to this number of parts are tabled, 120 of them. Half of it leaves
+/// triangles of some cells to the slower way, which takes one place after the other; twice of it is a table for few
+/// triangles.
 const TABLED_PARTS: usize = 14;
 
 /// Returns the number of sampled places of a triangle whose sides have so many parts.
@@ -48,10 +49,15 @@ const fn n_places(parts: usize) -> usize {
     (parts + 1) * (parts + 2) / 2
 }
 
+/// Returns about that number for the limit of sampled places, without overflow.
+fn n_counted(parts: u64) -> u64 {
+    parts.saturating_add(1).saturating_pow(2) / 2
+}
+
 /// Numbers of parts to the second and to the third corner for each sampled place of a triangle, in the order of their
 /// sum, so that the places of triangles with fewer parts come first.
-static PLACE_STEPS: [[[f32; PLACE_LANES]; 2]; n_places(TABLED_PARTS) / PLACE_LANES] = {
-    let mut steps = [[[0.0; PLACE_LANES]; 2]; n_places(TABLED_PARTS) / PLACE_LANES];
+static PLACE_STEPS: [[[f32; PLACE_LANES]; 2]; n_places(TABLED_PARTS).div_ceil(PLACE_LANES)] = {
+    let mut steps = [[[0.0; PLACE_LANES]; 2]; n_places(TABLED_PARTS).div_ceil(PLACE_LANES)];
     let (mut sum, mut place) = (0, 0);
     while sum <= TABLED_PARTS {
         let mut down = 0;
@@ -71,7 +77,7 @@ impl GroundFrame<'_> {
     pub(super) fn heights(&self, cells: usize, most: u64, watch: &Watch) -> Result<Option<Vec<f32>>, Stopped> {
         let map = GroundMap::new(cells);
         let far = || vec![DARKENING_HEIGHT; cells * cells];
-        let lower = |mut a: Vec<f32>, b: Vec<f32>| {
+        let least = |mut a: Vec<f32>, b: Vec<f32>| {
             a.iter_mut().zip(b).for_each(|(a, b)| *a = a.min(b));
             a
         };
@@ -88,13 +94,13 @@ impl GroundFrame<'_> {
             }
             Ok(heights)
         };
-        let heights = self.triangles.par_chunks(part).map(of).try_reduce(far, |a, b| Ok::<_, Stopped>(lower(a, b)))?;
+        let heights = self.triangles.par_chunks(part).map(of).try_reduce(far, |a, b| Ok::<_, Stopped>(least(a, b)))?;
         Ok((sampled.into_inner() <= most).then_some(heights))
     }
 }
 
-/// Lowers the cells below triangles to their heights there. Returns the number of sampled places, or a number above
-/// `most` without more than that. Wider vectors give the same bits.
+/// Lowers the cells below triangles to their heights there, and returns the number of sampled places. As soon as that
+/// would be above `most`, the rest is left out. Wider vectors give the same bits.
 #[multiversion(targets("x86_64+avx2"))]
 fn lay(map: &GroundMap, (places, triangles): (&[GroundPlace], &[[u32; 3]]), heights: &mut [f32], most: u64) -> u64 {
     let mut n_places = 0;
@@ -110,10 +116,10 @@ fn lay(map: &GroundMap, (places, triangles): (&[GroundPlace], &[[u32; 3]]), heig
             is_small[k] = (sides[0] <= SMALL[k]) & (sides[1] <= SMALL[k]) & (sides[2] <= SMALL[k]);
         }
         if is_small[0] & is_small[1] & is_small[2] & is_small[3] {
-            n_places += 2;
+            n_places += n_counted(1);
             map.lower(heights, a);
         } else {
-            n_places += map.lay(&[a, b, c], heights, most);
+            n_places += map.lay_parts(&[a, b, c], heights, most);
         }
         if n_places > most {
             break;
@@ -164,16 +170,17 @@ impl GroundMap {
     /// above `most`, none are.
     #[expect(clippy::inline_always, reason = "only code inside of `lay` uses its wider vectors")]
     #[inline(always)]
-    fn lay(&self, corners: &[GroundPlace; 3], heights: &mut [f32], most: u64) -> u64 {
+    fn lay_parts(&self, corners: &[GroundPlace; 3], heights: &mut [f32], most: u64) -> u64 {
         if !corners.as_flattened().iter().all(|u| u.is_finite()) {
             return 0;
         }
         let [a, b, c] = corners;
         let parts = parts(corners);
-        let n_sampled = (parts as u64).saturating_add(1).saturating_pow(2) / 2;
+        let n_sampled = n_counted(parts as u64);
         if n_sampled > most {
             return n_sampled;
         }
+        // only a difference of heights that overflows leads here
         if parts == 1 {
             self.lower(heights, *a);
             return n_sampled;

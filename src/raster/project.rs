@@ -1,6 +1,6 @@
 //! Vertices in the picture: sub-pixel coordinates, depth, and on which sides of the picture they lie.
 
-#![expect(clippy::cast_possible_truncation, reason = "values are checked to lie inside the guard band before the cast")]
+#![expect(clippy::cast_possible_truncation, reason = "only values inside of the guard band count")]
 #![expect(
     clippy::needless_bitwise_bool,
     clippy::needless_range_loop,

@@ -1,5 +1,7 @@
 //! Laws of the rasteriser.
 
+use proptest::prelude::*;
+
 use super::binned_model::BinnedModel;
 use super::bins::{TILE, TileGrid};
 use super::project::{BEHIND, RIGHT, Vertex, vertices};
@@ -204,6 +206,48 @@ fn a_stopped_watch_ends_the_picture() {
     assert_eq!(render(&model, &camera, OCCLUDED_STYLE, [64, 64], &watch), Err(Stopped));
 }
 
+/// Draws a triangle into the tile at `origin`, and checks that it has the samples inside of it and no others; whose
+/// those on its edges are is not said.
+fn sampled(corners: [Vertex; 3], origin: [i32; 2]) -> Samples {
+    let mut samples = Samples::new();
+    samples.draw(corners.each_ref(), 7, origin);
+    samples.settle(origin);
+    let left = |a: Vertex, b: Vertex, [px, py]: [i64; 2]| {
+        let [ax, ay, bx, by] = [a.x, a.y, b.x, b.y].map(i64::from);
+        (bx - ax) * (py - ay) - (by - ay) * (px - ax)
+    };
+    let tile = i64::try_from(TILE).expect("a tile is some dozen pixels wide");
+    for (i, owners) in (0_i64..).zip(&samples.owner) {
+        let (column, row) = (i64::from(origin[0]) + i % tile, i64::from(origin[1]) + i / tile);
+        for (owner, place) in owners.iter().zip(super::triangle::SAMPLE_PLACES) {
+            let p = [256 * column + 32 * i64::from(place[0]), 256 * row + 32 * i64::from(place[1])];
+            let sides = [0, 1, 2].map(|k| left(corners[k], corners[(k + 1) % 3], p));
+            if sides.iter().all(|&side| side > 0) || sides.iter().all(|&side| side < 0) {
+                assert_eq!(*owner, 7, "sample at {p:?} of {corners:?}");
+            } else if sides.iter().any(|&side| side > 0) && sides.iter().any(|&side| side < 0) {
+                assert_eq!(*owner, NOBODY, "sample at {p:?} of {corners:?}");
+            }
+        }
+    }
+    samples
+}
+
+proptest! {
+    #[test]
+    fn triangles_have_the_samples_inside_of_them_in_every_tile_and_at_its_borders(
+        tile in prop::array::uniform2(0..256_i32),
+        centre in prop::array::uniform2(-4.0..36.0_f64),
+        corners in prop::array::uniform3(prop::array::uniform2(-1.0..1.0_f64)),
+        size in prop::sample::select(vec![0.4, 1.0, 3.0, 8.0, 40.0, 3000.0]),
+    ) {
+        let origin = tile.map(|i| 32 * i);
+        let [left, top] = origin.map(f64::from);
+        let far = |u: f64| u.clamp(-2047.0, 10_239.0);
+        let corner = |[x, y]: [f64; 2]| at(far(left + centre[0] + size * x), far(top + centre[1] + size * y));
+        sampled(corners.map(corner), origin);
+    }
+}
+
 /// Rows of pixels are cut to what slivers may cover: every sample inside is found, and few pixels are looked at.
 #[test]
 fn slivers_cover_the_samples_inside_them_and_look_at_few_pixels_beside() {
@@ -212,26 +256,7 @@ fn slivers_cover_the_samples_inside_them_and_look_at_few_pixels_beside() {
         let (x, y) = (crate::math::functions::cos(angle), crate::math::functions::sin(angle));
         let end = |side: f64| at(16.3 + 300.0 * x - side * y, 15.9 + 300.0 * y + side * x);
         let corners = [at(16.3 - 300.0 * x, 15.9 - 300.0 * y), end(2.0), end(-2.0)];
-        let mut samples = Samples::new();
-        samples.draw(corners.each_ref(), 7, [0, 0]);
-        samples.settle([0, 0]);
-        let left = |a: Vertex, b: Vertex, [px, py]: [i64; 2]| {
-            let [ax, ay, bx, by] = [a.x, a.y, b.x, b.y].map(i64::from);
-            (bx - ax) * (py - ay) - (by - ay) * (px - ax)
-        };
-        let tile = i64::try_from(TILE).expect("a tile is some dozen pixels wide");
-        for (i, owners) in (0_i64..).zip(&samples.owner) {
-            let (row, column) = (i / tile, i % tile);
-            for (owner, place) in owners.iter().zip(super::triangle::SAMPLE_PLACES) {
-                let p = [256 * column + 32 * i64::from(place[0]), 256 * row + 32 * i64::from(place[1])];
-                let sides = [0, 1, 2].map(|k| left(corners[k], corners[(k + 1) % 3], p));
-                if sides.iter().all(|&side| side > 0) || sides.iter().all(|&side| side < 0) {
-                    assert_eq!(*owner, 7, "sample at {p:?} of sliver {k}");
-                } else if sides.iter().any(|&side| side > 0) && sides.iter().any(|&side| side < 0) {
-                    assert_eq!(*owner, NOBODY, "sample at {p:?} of sliver {k}");
-                }
-            }
-        }
+        let mut samples = sampled(corners, [0, 0]);
         let all = (TILE * TILE) as u64;
         assert!(samples.done().pixels < all / 2, "sliver {k}");
     }

@@ -77,6 +77,7 @@ impl TileScratch {
         let has_clear = self.glass.is_some();
         // front faces mostly hide the back faces behind them
         for is_back in [false, true] {
+            let mut n_listed = 0;
             for list in model.tile(tile, is_back, self.samples.farthest()) {
                 for &id in list {
                     match hiding(model, id, has_clear) {
@@ -90,8 +91,9 @@ impl TileScratch {
                     }
                 }
                 watch.check()?;
-                // the work of shorter lists is told after the tile
-                if list.len() == LISTED_TRIANGLES {
+                n_listed += list.len();
+                if n_listed >= LISTED_TRIANGLES {
+                    n_listed = 0;
                     watch.advance(forecast::rows(self.samples.done()));
                 }
             }

@@ -41,10 +41,10 @@ pub(super) const ROW_PX: u64 = 8;
 
 /// A triangle prepared for a tile; depths are those of the first pixel of its bounding box.
 pub(super) struct TriangleSetup {
-    /// The first pixel of each row that is looked at. It is that of the box, or that to the left of it where rows with
-    /// an odd number of pixels, which are looked at in pairs, would leave the tile.
+    /// The column at which edge functions are given: the left one of the box, or that before where narrow rows with an
+    /// odd number of pixels, which are filled in pairs from there, would leave the tile.
     pub(super) first: i32,
-    /// The edge functions at the corner of that pixel in the first row; not negative inside.
+    /// The edge functions at the corner of the pixel in that column and in the first row; not negative inside.
     pub(super) edges: [i32; 3],
     /// Their steps for an eighth of a pixel.
     pub(super) right: [i32; 3],
@@ -77,7 +77,7 @@ pub(super) const PLACE_ROWS: PlaceRows = {
 };
 
 /// Returns `n` pairs of pixels from pixel `first` of row `y` of a tile on.
-#[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+#[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
 #[inline(always)]
 fn row_of<'a>(
     depth: &'a mut [[f32; SAMPLES]],
@@ -181,7 +181,7 @@ pub(super) fn edge(a: [i32; 2], b: [i32; 2], origin: [i32; 2]) -> TileEdge {
 
 impl TriangleSetup {
     /// Returns the number of pixels in a row.
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
     #[inline(always)]
     pub(super) fn width(&self) -> usize {
         (self.pixels[2] - self.pixels[0] + 1) as usize
@@ -300,8 +300,8 @@ impl TriangleSetup {
         owner: &mut [[u32; SAMPLES]],
         is_there: impl Fn([f32; 2]) -> bool,
     ) -> u64 {
-        let [left, top, right, bottom] = self.pixels;
-        let n = (right - left + 1) as usize;
+        let [left, top, _, bottom] = self.pixels;
+        let n = self.width();
         let mut pixels = 0;
         for (row, y) in (0_i32..).zip(top..=bottom) {
             let span = if n < CUT_PX { 0..n } else { self.span(row, n) };
@@ -329,7 +329,7 @@ impl TriangleSetup {
     }
 
     /// Returns a depth, clamped to the depths of the corners.
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
     #[inline(always)]
     fn within(&self, z: f32) -> f32 {
         let z = if z > self.range[0] { z } else { self.range[0] };
@@ -338,8 +338,6 @@ impl TriangleSetup {
 
     /// Returns the columns of a row of `n` pixels in which a sample may lie inside. An edge function that is negative
     /// at all samples of a pixel leaves it out, and all are linear along the row.
-    // inlined, what it needs of the edges would be computed for every triangle, of which few are wide
-    #[inline(never)]
     fn span(&self, row: i32, n: usize) -> Range<usize> {
         let (mut first, mut end) = (0_i64, n as i64);
         for k in 0..3 {

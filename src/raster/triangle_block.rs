@@ -40,7 +40,7 @@ pub(super) struct BlockSetup {
     top: BlockRow<i32>,
     right: BlockRow<i32>,
     bottom: BlockRow<i32>,
-    /// The first pixel of each row that is looked at, see [`TriangleSetup`].
+    /// The column at which edge functions are given, see [`TriangleSetup`].
     first: BlockRow<i32>,
     /// The largest depth.
     pub(super) nearest: BlockRow<f32>,
@@ -175,8 +175,8 @@ impl BlockSetup {
         setup
     }
 
-    /// Sets the edge functions at the corner of the first pixel, for triangles whose corners are near: there, every
-    /// edge is taken to cross the tile.
+    /// Sets the edge functions at the corner of the pixel in column `first` and in the first row, for triangles whose
+    /// corners are near: there, every edge is taken to cross the tile.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
     fn add_edges(&mut self, corners: &CornerPlaces, corner: [i32; 2]) {
@@ -195,7 +195,7 @@ impl BlockSetup {
         }
     }
 
-    /// Sets the depths at the samples of the first pixel and their growth.
+    /// Sets the depths at the samples of the first pixel of the box and their growth.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
     fn add_depths(&mut self, block: &TriangleBlock, corner: [i32; 2]) {

@@ -60,7 +60,7 @@ fn refusal(error: &serde_json::Error, pointer: String, bytes: &[u8]) -> ReadErro
         let remedy = match broken.as_ref().unwrap_or(error) {
             _ if deep => "; lists and objects are nested too deep",
             _ if bytes.starts_with(UTF_8_MARK) => "; it begins with a byte order mark, send UTF-8 without it",
-            _ if UTF_16_MARKS.iter().any(|mark| bytes.starts_with(*mark)) => "; it is UTF-16, send UTF-8",
+            _ if UTF_16_MARKS.iter().any(|mark| bytes.starts_with(mark)) => "; it is UTF-16, send UTF-8",
             error if is_no_number(bytes, error) => "; JSON has neither NaN nor Infinity, all numbers are finite",
             _ => "",
         };
