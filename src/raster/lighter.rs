@@ -50,8 +50,8 @@ struct RowParts {
 }
 
 /// The number of changes from triangle to triangle along the first samples of a row from which the other samples are
-/// looked up ahead, too: many triangles are then so small that no pixel sees them at its first sample. Half of it looks up parts in vain, twice of
-/// it finds many facets alone; pictures are the same.
+/// looked up ahead, too: many triangles are then so small that no pixel sees them at its first sample. Half of it looks
+/// up parts in vain, twice of it finds many facets alone; pictures are the same.
 const CROWDED_ROW: u32 = 12;
 
 impl RowParts {
