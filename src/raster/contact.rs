@@ -14,6 +14,7 @@ use super::camera::{Camera, Projection};
 use super::ground::{GroundFrame, SHADOW_REACH};
 use super::height_map::darkness;
 use super::model::{Model, TriangleAppearance};
+use super::pixmap::{whole_below, whole_number};
 use crate::math::vector::{Vector, dot, minus, plus, times};
 use crate::watch::{Stopped, Watch};
 
@@ -182,8 +183,6 @@ struct OnMap {
 /// Returns where the pixels of a row of a tile see the map. Wider vectors give the same bits.
 #[multiversion(targets("x86_64+avx2"))]
 fn on_map<'a>(row: &ShadowRow<'a>, first: f64) -> OnMap {
-    // numbers from here on have no digits after the point
-    const WHOLE: f64 = 4_503_599_627_370_496.0;
     let shadow = row.shadow;
     let [left, _, right, _] = shadow.reach_px.map(|px| px as f64);
     let (cells, last) = (shadow.cells as f64, shadow.cells as f64 - 1.0);
@@ -201,11 +200,10 @@ fn on_map<'a>(row: &ShadowRow<'a>, first: f64) -> OnMap {
             let cell = (0.5 * place[k] + 0.5) * cells - 0.5;
             let cell = if cell > 0.0 { cell } else { 0.0 };
             let cell = if cell < last { cell } else { last };
-            let nearest = (cell + WHOLE) - WHOLE;
-            corner[k] = if nearest > cell { nearest - 1.0 } else { nearest };
+            corner[k] = whole_below(cell);
             map.way[k][i] = (cell - corner[k]) as f32;
         }
-        map.cell[i] = (corner[1] * cells + corner[0] + WHOLE).to_bits() as u32;
+        map.cell[i] = whole_number(corner[1] * cells + corner[0]);
         map.right[i] = u32::from(corner[0] < last);
         map.below[i] = if corner[1] < last { shadow.cells as u32 } else { 0 };
         let edge_px = middle_px[0] - (x + 0.5 - middle_px[0]).abs();

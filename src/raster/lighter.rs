@@ -55,6 +55,8 @@ struct RowParts {
 const CROWDED_ROW: u32 = 12;
 
 impl RowParts {
+    const NONE: Self = Self { at: [0; SAMPLES], held: [[0; TILE]; SAMPLES], fresh: 0, cut: 0 };
+
     /// Returns the pixels with parts at each sample whose triangles are looked up ahead.
     fn prepared(&self) -> [u32; SAMPLES] {
         if self.fresh.count_ones() < CROWDED_ROW {
@@ -62,8 +64,6 @@ impl RowParts {
         }
         [self.fresh, self.at[1], self.at[2], self.at[3]]
     }
-
-    const NONE: Self = Self { at: [0; SAMPLES], held: [[0; TILE]; SAMPLES], fresh: 0, cut: 0 };
 }
 
 /// Rows of pixels whose facets are found before they are lit, so that most are found eight at a time. Half of it finds

@@ -79,6 +79,25 @@ pub(super) fn rounded_down(x: f32) -> u32 {
     nearest.to_bits() - WHOLE.to_bits() - u32::from(nearest - WHOLE > x)
 }
 
+/// Doubles from here on have no digits after the point.
+const WHOLE: f64 = 4_503_599_627_370_496.0;
+
+/// Returns a number from 0 to 2^51, rounded down, like [`rounded_down`].
+#[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
+#[inline(always)]
+pub(super) fn whole_below(x: f64) -> f64 {
+    let nearest = (x + WHOLE) - WHOLE;
+    if nearest > x { nearest - 1.0 } else { nearest }
+}
+
+/// Returns a whole number from 0 to 2^32 - 1.
+#[expect(clippy::cast_possible_truncation, reason = "the last bits are those of the number")]
+#[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
+#[inline(always)]
+pub(super) fn whole_number(x: f64) -> u32 {
+    (x + WHOLE).to_bits() as u32
+}
+
 /// Returns the linear, premultiplied light of straight sRGB bytes.
 pub(super) fn premultiplied([r, g, b, a]: [u8; 4]) -> [f32; 4] {
     let alpha = f32::from(a) / 255.0;
@@ -98,7 +117,11 @@ mod tests {
             assert_eq!(rounded_down(x), whole);
             assert_eq!(rounded_down(x.next_up()), whole);
             assert_eq!(rounded_down((x + 1.0).next_down()), whole, "below {}", x + 1.0);
+            for x in [from, from.next_up(), (from + 1.0).next_down()] {
+                assert_eq!(whole_number(whole_below(x)), whole, "of {x}");
+            }
         }
+        assert_eq!(whole_number(f64::from(u32::MAX)), u32::MAX);
     }
 
     #[test]

@@ -11,6 +11,7 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::camera::{Camera, Projection};
+use super::pixmap::{whole_below, whole_number};
 use crate::math::vector::Vector;
 
 /// Sub-pixel steps a pixel. Exact whole-number coverage needs coordinates on this lattice.
@@ -148,7 +149,7 @@ fn placed(camera: &Camera, seen: &[PointRow<f64>; 4]) -> VertexRows {
         rows.sides[i] = if is_behind { BEHIND } else { sides };
         let snapped = |pixels: f64| {
             let pixels = if is_placed { pixels } else { 0.0 };
-            let steps = rounded_down((pixels + SHIFT) * f64::from(STEPS_A_PIXEL) + 0.5);
+            let steps = whole_number(whole_below((pixels + SHIFT) * f64::from(STEPS_A_PIXEL) + 0.5));
             let steps = steps.cast_signed() - SHIFT as i32 * STEPS_A_PIXEL;
             if is_placed { steps } else { 0 }
         };
@@ -157,15 +158,6 @@ fn placed(camera: &Camera, seen: &[PointRow<f64>; 4]) -> VertexRows {
         rows.depth[i] = if is_placed { depth as f32 } else { 0.0 };
     }
     rows
-}
-
-/// Returns a number from 0 to 2^32, rounded down. There is no cast, which would be done one by one to saturate.
-#[inline(always)]
-fn rounded_down(x: f64) -> u32 {
-    // numbers from here on have no digits after the point
-    const WHOLE: f64 = 4_503_599_627_370_496.0;
-    let nearest = x + WHOLE;
-    (nearest.to_bits() as u32).wrapping_sub(u32::from(nearest - WHOLE > x))
 }
 
 #[cfg(test)]
