@@ -1,108 +1,161 @@
 //! Large buffers that are kept from one computation to the next, since fresh memory pages take more time than writing
 //! to them.
 
+use std::any::Any;
+use std::collections::VecDeque;
 use std::ops::{Deref, DerefMut};
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Smallest buffer to keep, in bytes; the allocator keeps smaller ones itself. Half and twice of it made no measurable
 /// difference.
 const LEAST_KEPT_BYTES: usize = 1 << 20;
 
-/// The kept buffers, and the maximum number of bytes to keep.
-struct KeptBuffers {
-    most: usize,
-    buffers: Vec<Vec<f64>>,
+/// A buffer that is kept, a `Vec` of some type.
+struct KeptBuffer {
+    bytes: usize,
+    buffer: Box<dyn Any + Send>,
 }
 
-static KEPT_BUFFERS: Mutex<KeptBuffers> = Mutex::new(KeptBuffers { most: 0, buffers: Vec::new() });
+/// The kept buffers, those kept longest first, and the maximum number of bytes to keep.
+struct KeptBuffers {
+    most: usize,
+    used: usize,
+    buffers: VecDeque<KeptBuffer>,
+}
 
-fn bytes(buffer: &Vec<f64>) -> usize {
-    buffer.capacity() * size_of::<f64>()
+static KEPT_BUFFERS: Mutex<KeptBuffers> = Mutex::new(KeptBuffers { most: 0, used: 0, buffers: VecDeque::new() });
+
+fn shelf() -> MutexGuard<'static, KeptBuffers> {
+    KEPT_BUFFERS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl KeptBuffers {
-    fn used(&self) -> usize {
-        self.buffers.iter().map(bytes).sum()
+    /// Drops the buffers that were kept longest until at most `most` bytes are kept.
+    fn shrink_to(&mut self, most: usize) {
+        while self.used > most
+            && let Some(oldest) = self.buffers.pop_front()
+        {
+            self.used -= oldest.bytes;
+        }
     }
 }
 
 /// Sets the maximum number of bytes to keep; initially nothing is kept.
 pub fn keep_at_most(most: usize) {
-    let mut shelf = KEPT_BUFFERS.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let mut shelf = shelf();
     shelf.most = most;
-    while shelf.used() > most {
-        shelf.buffers.pop();
-    }
+    shelf.shrink_to(most);
 }
 
-/// An array of numbers, whose memory may come from an earlier array and is kept for a later one on drop.
-#[derive(Debug, Default, PartialEq)]
-pub struct Numbers {
-    buffer: Vec<f64>,
+/// A value that an array in kept memory may consist of.
+pub trait Plain: Copy + Send + 'static {
+    /// What stands in an array that is to be overwritten: in debug builds a value that no result should have, otherwise
+    /// zero, which fresh memory has by itself.
+    const UNSPECIFIED: Self;
+}
+
+impl Plain for f64 {
+    const UNSPECIFIED: Self = if cfg!(debug_assertions) { Self::NAN } else { 0.0 };
+}
+
+impl Plain for f32 {
+    const UNSPECIFIED: Self = if cfg!(debug_assertions) { Self::NAN } else { 0.0 };
+}
+
+impl Plain for u32 {
+    const UNSPECIFIED: Self = if cfg!(debug_assertions) { Self::MAX } else { 0 };
+}
+
+impl<T: Plain, const N: usize> Plain for [T; N] {
+    const UNSPECIFIED: Self = [T::UNSPECIFIED; N];
+}
+
+/// An array whose memory may come from an earlier array and is kept for a later one on drop.
+#[derive(Debug, PartialEq)]
+pub struct Kept<T: Plain> {
+    buffer: Vec<T>,
     len: usize,
 }
 
-impl Numbers {
-    /// Creates an array of `len` numbers with unspecified values, all of which the caller has to overwrite.
-    pub fn to_overwrite(len: usize) -> Self {
-        let mut numbers = Self { buffer: taken(len).unwrap_or_else(|| vec![0.0; len]), len };
-        if cfg!(debug_assertions) {
-            numbers.fill(f64::NAN);
-        }
-        numbers
-    }
-}
+/// An array of numbers in kept memory.
+pub type Numbers = Kept<f64>;
 
-impl Numbers {
+impl<T: Plain> Kept<T> {
+    /// Creates an array of `len` unspecified values, all of which the caller has to overwrite.
+    pub fn to_overwrite(len: usize) -> Self {
+        let Some(buffer) = taken(len) else { return vec![T::UNSPECIFIED; len].into() };
+        let mut kept = Self { buffer, len };
+        if cfg!(debug_assertions) {
+            kept.fill(T::UNSPECIFIED);
+        }
+        kept
+    }
+
     /// Returns the memory of the array in bytes.
     pub fn bytes(&self) -> usize {
-        bytes(&self.buffer)
+        self.buffer.capacity() * size_of::<T>()
     }
 }
 
-/// Takes the smallest kept buffer with room for `len` numbers, unless more than half of it would be unused.
-fn taken(len: usize) -> Option<Vec<f64>> {
-    let mut shelf = KEPT_BUFFERS.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let fitting = shelf.buffers.iter().enumerate().filter(|(_, buffer)| (len..=2 * len).contains(&buffer.len()));
-    let (at, _) = fitting.min_by_key(|(_, buffer)| buffer.len())?;
-    Some(shelf.buffers.swap_remove(at))
+/// Takes the smallest kept buffer with room for `len` values, unless more than half of it would be unused.
+fn taken<T: Plain>(len: usize) -> Option<Vec<T>> {
+    let mut shelf = shelf();
+    let fitting = |kept: &KeptBuffer| {
+        let buffer: &Vec<T> = kept.buffer.downcast_ref()?;
+        (len..=2 * len).contains(&buffer.len()).then_some(buffer.len())
+    };
+    let buffers = shelf.buffers.iter().enumerate();
+    let (_, at) = buffers.filter_map(|(at, kept)| Some((fitting(kept)?, at))).min()?;
+    let kept = shelf.buffers.remove(at)?;
+    shelf.used -= kept.bytes;
+    kept.buffer.downcast().ok().map(|buffer| *buffer)
 }
 
-impl From<Vec<f64>> for Numbers {
-    fn from(buffer: Vec<f64>) -> Self {
+impl<T: Plain> Default for Kept<T> {
+    fn default() -> Self {
+        Vec::new().into()
+    }
+}
+
+impl<T: Plain> From<Vec<T>> for Kept<T> {
+    fn from(buffer: Vec<T>) -> Self {
         Self { len: buffer.len(), buffer }
     }
 }
 
-impl Clone for Numbers {
+impl<T: Plain> Clone for Kept<T> {
     fn clone(&self) -> Self {
         self.to_vec().into()
     }
 }
 
-impl Deref for Numbers {
-    type Target = [f64];
+impl<T: Plain> Deref for Kept<T> {
+    type Target = [T];
 
-    fn deref(&self) -> &[f64] {
+    fn deref(&self) -> &[T] {
         &self.buffer[..self.len]
     }
 }
 
-impl DerefMut for Numbers {
-    fn deref_mut(&mut self) -> &mut [f64] {
+impl<T: Plain> DerefMut for Kept<T> {
+    fn deref_mut(&mut self) -> &mut [T] {
         &mut self.buffer[..self.len]
     }
 }
 
-impl Drop for Numbers {
+impl<T: Plain> Drop for Kept<T> {
     fn drop(&mut self) {
-        if bytes(&self.buffer) < LEAST_KEPT_BYTES {
+        let bytes = self.bytes();
+        if bytes < LEAST_KEPT_BYTES {
             return;
         }
         let buffer = std::mem::take(&mut self.buffer);
-        let mut shelf = KEPT_BUFFERS.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if shelf.used() + bytes(&buffer) <= shelf.most {
-            shelf.buffers.push(buffer);
+        let mut shelf = shelf();
+        if bytes <= shelf.most {
+            let most = shelf.most - bytes;
+            shelf.shrink_to(most);
+            shelf.used += bytes;
+            shelf.buffers.push_back(KeptBuffer { bytes, buffer: Box::new(buffer) });
         }
     }
 }
@@ -116,14 +169,15 @@ mod tests {
         let len = LEAST_KEPT_BYTES / size_of::<f64>();
         keep_at_most(LEAST_KEPT_BYTES);
         let (first, second) = (Numbers::to_overwrite(len), Numbers::to_overwrite(len));
-        let place = first.as_ptr();
+        let place = second.as_ptr();
         drop(first);
-        drop(second); // not kept: there is room for one
+        drop(second); // instead of the first: there is room for one
         let again = Numbers::to_overwrite(len - 1);
         assert_eq!((again.as_ptr(), again.len()), (place, len - 1));
-        assert_eq!(taken(len), None);
+        assert_eq!(taken::<f64>(len), None);
         drop(again);
+        assert_eq!(taken::<[f64; 2]>(len / 2), None, "the same bytes of another type");
         keep_at_most(0);
-        assert_eq!(taken(len), None);
+        assert_eq!((taken::<f64>(len), shelf().used), (None, 0));
     }
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::kept::Kept;
 use crate::math::parameter::Values;
 use crate::math::vector::minus;
 use crate::output::bounds::CoordinateBounds;
@@ -178,7 +179,7 @@ impl<'a> Buffer<'a> {
             stream.positions(&part.positions, |_, rows, out| vectors(rows, out, |row| minus(row, self.center)))?;
         }
         let (Some(mesh), Some(part)) = (self.mesh, self.parts.first()) else { return Ok(()) };
-        let mut normals = Vec::new();
+        let mut normals = Kept::default();
         if let (true, Some(source)) = (self.amounts.normals, mesh.on_demand()) {
             let scale = normals::scale_of(&part.bounds);
             stream.vectors(
@@ -190,7 +191,7 @@ impl<'a> Buffer<'a> {
             normals = normals_of(mesh, self.smooth, &part.positions, stream.watch)?;
             stream.rows(&normals, |_, rows, out| vectors(rows, out, normals::or_up))?;
             if self.targets.is_empty() {
-                normals = Vec::new();
+                normals = Kept::default();
             }
         }
         self.write_carried(mesh, stream)?;

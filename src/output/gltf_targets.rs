@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::kept::Kept;
 use crate::output::bounds::CoordinateBounds;
 use crate::output::bytes::Bytes;
 use crate::output::error::FormatError;
@@ -109,7 +110,7 @@ pub(super) fn normals_of(
     smooth: Option<&dyn MeshSource>,
     positions: &Positions<'_>,
     watch: &Watch,
-) -> Result<Vec<[f64; 3]>, FormatError> {
+) -> Result<Kept<[f64; 3]>, FormatError> {
     Ok(match smooth {
         None => normals::of(mesh, positions.rows(), watch)?,
         Some(smooth) => {

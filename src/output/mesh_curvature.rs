@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::normals;
 use super::scene::{MeshSource, each_face};
 use super::vertex_sums::sums;
+use crate::kept::Kept;
 use crate::math::vector::{cross, dot, minus, plus, times, unit};
 use crate::watch::{Stopped, Watch};
 
@@ -53,12 +54,12 @@ pub(super) fn curvatures(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &
         if are_given { normals::of(mesh, positions, watch)? } else { fitted_normals(mesh, positions, watch)? };
     let scale = normals::scale(positions);
     let area = sums(mesh, |face| normals::area_vector(face, positions, scale), watch)?;
-    let mut areas: Vec<f64> = area.par_iter().zip(&unit_normals).map(|(area, n)| dot(*area, *n)).collect();
+    let mut areas: Vec<f64> = area.par_iter().zip(&*unit_normals).map(|(area, n)| dot(*area, *n)).collect();
     areas.par_iter_mut().for_each(|area| *area = if *area > LEAST_CURVED_AREA { *area } else { 0.0 });
     drop(area);
     // NaN marks vertices without an area
     let over_area = |sums: &[[f64; 3]], unit: f64| -> Vec<f64> {
-        let rows = sums.par_iter().zip(&unit_normals).zip(&areas);
+        let rows = sums.par_iter().zip(&*unit_normals).zip(&areas);
         rows.map(|((sum, n), area)| if *area > 0.0 { unit * (dot(*sum, *n) / area) } else { f64::NAN }).collect()
     };
     let mixed = sums(mesh, |face| mixed_area(face, positions, &unit_normals, scale), watch)?;
@@ -102,7 +103,7 @@ fn mixed_area(face: &[u32], positions: &[[f64; 3]], unit_normals: &[[f64; 3]], s
 /// by the edge length h, and curvature computed from them by a constant; these normals are not.
 ///
 /// Source: N. Max, Journal of Graphics Tools 4 (1999) 2, 1-6.
-fn fitted_normals(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
+fn fitted_normals(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Kept<[f64; 3]>, Stopped> {
     let scale = normals::scale(positions);
     let mut sums = vec![[0.0; 3]; positions.len()];
     each_face(mesh, watch, |face| {
@@ -117,7 +118,7 @@ fn fitted_normals(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) 
         }
     })?;
     sums.par_iter_mut().for_each(|sum| *sum = if sum.iter().all(|x| x.is_finite()) { unit(*sum) } else { [0.0; 3] });
-    Ok(sums)
+    Ok(sums.into())
 }
 
 /// Returns for each vertex whether the faces around it do not close.

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::kept::Kept;
 use crate::math::vector::{cross, minus, plus, times, unit};
 use crate::output::bounds::CoordinateBounds;
 use crate::output::scene::{FaceChunk, MeshSource, OnDemandSource, ROWS_PER_CHUNK, in_chunks};
@@ -21,7 +22,7 @@ use crate::watch::{Stopped, Watch};
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.
-pub fn area(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
+pub fn area(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Kept<[f64; 3]>, Stopped> {
     let scale = scale(positions);
     let mut sums = sums(mesh, |face| area_vector(face, positions, scale), watch)?;
     sums.par_iter_mut().for_each(|sum| *sum = unit(*sum));
@@ -32,16 +33,20 @@ pub fn area(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Res
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.
-pub fn of(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Vec<[f64; 3]>, Stopped> {
+pub fn of(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Kept<[f64; 3]>, Stopped> {
     let mut normals = Vec::new();
     let Some(source) = mesh.normals() else { return area(mesh, positions, watch) };
     source.of_vertices(0..mesh.n_vertices(), &mut normals);
     let is_missing = |normal: &[f64; 3]| normal.iter().all(|&x| x == 0.0);
     if normals.iter().any(is_missing) {
         let area = area(mesh, positions, watch)?;
-        normals.iter_mut().zip(area).filter(|(normal, _)| is_missing(normal)).for_each(|(normal, area)| *normal = area);
+        normals
+            .iter_mut()
+            .zip(&*area)
+            .filter(|(normal, _)| is_missing(normal))
+            .for_each(|(normal, area)| *normal = *area);
     }
-    Ok(normals)
+    Ok(normals.into())
 }
 
 /// Returns the normals of `smooth` for the vertices of `split_vertices`, a mesh with the same faces in the same order
@@ -54,7 +59,7 @@ pub fn split_vertices(
     smooth: &dyn MeshSource,
     positions: &[[f64; 3]],
     watch: &Watch,
-) -> Result<Vec<[f64; 3]>, Stopped> {
+) -> Result<Kept<[f64; 3]>, Stopped> {
     let normals = of(smooth, positions, watch)?;
     let mut found = vec![[0.0; 3]; split_vertices.n_vertices()];
     let (mut here, mut there) = (FaceChunk::default(), FaceChunk::default());
@@ -67,7 +72,7 @@ pub fn split_vertices(
         }
         Ok(())
     })?;
-    Ok(found)
+    Ok(found.into())
 }
 
 /// Returns a normal, or +z for one that is undefined, for formats that require unit vectors.

@@ -7,6 +7,7 @@ mod layout;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::fault::Fault;
+use crate::kept::Kept;
 use crate::math::parameter::{Parameter, Values};
 use crate::output::counts::{Counts, ShapeKind};
 use crate::output::description::DescriptionPlace;
@@ -199,7 +200,7 @@ fn write_mesh(
         };
         (positions, normals)
     } else {
-        (positions, Vec::new())
+        (positions, Kept::default())
     };
     stream.positions(&positions, |start, rows, out| {
         let normals = if layout.normals { &normals[start..start + rows.len()] } else { &[] };

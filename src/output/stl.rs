@@ -1,6 +1,7 @@
 //! STL: loose triangles in f32, for printers and mesh tools.
 
 use crate::fault::Fault;
+use crate::kept::Kept;
 use crate::math::parameter::{Default, Parameter, Values};
 use crate::math::vector::{plus, unit};
 use crate::output::counts::Counts;
@@ -104,7 +105,7 @@ fn write_mesh(mesh: &dyn MeshSource, normals: Option<&str>, stream: &mut Stream<
     let mesh = split_vertices.as_ref().map_or(mesh, |split_vertices| split_vertices);
     let positions = Positions::of_mesh(mesh).within_f32().held(watch)?;
     let rows = positions.rows();
-    let corners = if at_limit { normals::of(mesh, rows, watch)? } else { Vec::new() };
+    let corners = if at_limit { normals::of(mesh, rows, watch)? } else { Kept::default() };
     let scale = normals::scale(rows);
     let at = |v: u32| rows[v as usize];
     stream.bytes(STL_HEADER)?;

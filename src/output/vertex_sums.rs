@@ -5,8 +5,9 @@ use std::ops::Range;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
+use crate::kept::Kept;
 use crate::math::vector::plus;
-use crate::output::scene::{FaceChunk, MeshSource};
+use crate::output::scene::{FaceChunk, MeshSource, ROWS_PER_CHUNK};
 use crate::shape::topology::index;
 use crate::watch::{Stopped, Watch};
 
@@ -29,14 +30,15 @@ pub(super) fn sums(
     mesh: &dyn MeshSource,
     of_face: impl Fn(&[u32]) -> [f64; 3] + Sync,
     watch: &Watch,
-) -> Result<Vec<[f64; 3]>, Stopped> {
-    let mut sums = vec![[0.0; 3]; mesh.n_vertices()];
+) -> Result<Kept<[f64; 3]>, Stopped> {
+    let mut sums = Kept::to_overwrite(mesh.n_vertices());
+    sums.par_chunks_mut(ROWS_PER_CHUNK).for_each(|sums| sums.fill([0.0; 3]));
     let own = own_vertices(mesh, watch)?;
     let mut parts: Vec<FaceRun> = Vec::new();
     parts.resize_with(PARTS_PER_SUM.min(own.len()), FaceRun::default);
     for (round, own) in own.chunks(PARTS_PER_SUM).enumerate() {
         watch.check()?;
-        let (mut rest, mut start) = (sums.as_mut_slice(), 0);
+        let (mut rest, mut start) = (&mut *sums, 0);
         let mut work = Vec::with_capacity(own.len());
         for (i, (part, own)) in parts.iter_mut().zip(own).enumerate() {
             let mut slice: &mut [[f64; 3]] = &mut [];

@@ -13,6 +13,7 @@ use super::paint::Paint;
 use super::project::{BEHIND, FAR_OUT, Vertex, vertices, vertices_of};
 use super::shade::Lamps;
 use super::triangle_block::{BLOCK_TRIANGLES, TriangleBlock};
+use crate::kept::Kept;
 use crate::math::vector::{Vector, cross, minus};
 use crate::watch::{Stopped, Watch};
 
@@ -31,7 +32,7 @@ pub(super) struct BinnedModel<'a> {
     model: &'a Model<'a>,
     pub(super) camera: &'a Camera,
     pub(super) grid: TileGrid,
-    vertices: Vec<Vertex>,
+    vertices: Kept<Vertex>,
     pieces: Vec<ClippedPiece>,
     /// For each run, the front-facing triangles and the back-facing ones.
     runs: Vec<[Bins; 2]>,
@@ -73,7 +74,7 @@ impl<'a> BinnedModel<'a> {
         grid: TileGrid,
         watch: &Watch,
     ) -> Result<Self, Stopped> {
-        let vertices = if model.triangles.is_empty() { Vec::new() } else { vertices(camera, model.positions) };
+        let vertices = if model.triangles.is_empty() { Kept::default() } else { vertices(camera, model.positions) };
         watch.check()?;
         let layers = model
             .strokes

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::camera::unit;
 use super::model::Model;
+use crate::kept::Kept;
 use crate::math::functions::{cos, sin};
 use crate::math::vector::{Vector, cross, plus, times};
 
@@ -49,7 +50,7 @@ pub(super) struct GroundFrame<'a> {
     height: f64,
     pub(super) triangles: &'a [[u32; 3]],
     /// The places of the vertices in these coordinates.
-    pub(super) places: Vec<GroundPlace>,
+    pub(super) places: Kept<GroundPlace>,
     /// Whether a triangle has this vertex.
     is_used: Vec<AtomicBool>,
 }
@@ -87,7 +88,7 @@ impl<'a> GroundFrame<'a> {
         }
         let level = [0, 1].map(|k| times(0.5 * (low[k] + high[k]), axes[k]));
         let middle = plus(plus(level[0], level[1]), times(low[2], sky));
-        let mut places = vec![[0.0; 4]; model.positions.len()];
+        let mut places = Kept::to_overwrite(model.positions.len());
         let parts = model.positions.par_chunks(ITEMS_PER_TASK).zip(places.par_chunks_mut(ITEMS_PER_TASK));
         parts.for_each(|(points, places)| place(&rows, (middle, half), points, places));
         let height = (high[2] - low[2]) / half;

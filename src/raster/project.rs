@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use super::camera::{Camera, Projection};
 use super::pixmap::{whole_below, whole_number};
+use crate::kept::{Kept, Plain};
 use crate::math::vector::Vector;
 
 /// Sub-pixel steps a pixel. Exact whole-number coverage needs coordinates on this lattice.
@@ -47,6 +48,10 @@ pub(super) struct Vertex {
     pub(super) depth: f32,
     /// The sides of the picture beyond which the vertex lies, as flags.
     pub(super) sides: u32,
+}
+
+impl Plain for Vertex {
+    const UNSPECIFIED: Self = Self { x: 0, y: 0, depth: 0.0, sides: if cfg!(debug_assertions) { BEHIND } else { 0 } };
 }
 
 impl Camera {
@@ -94,11 +99,11 @@ pub(super) fn vertices_of<const N: usize>(camera: &Camera, seen: [[f64; 4]; N]) 
 }
 
 /// Returns all vertices, computed in parallel.
-pub(super) fn vertices(camera: &Camera, positions: &[Vector]) -> Vec<Vertex> {
+pub(super) fn vertices(camera: &Camera, positions: &[Vector]) -> Kept<Vertex> {
     /// Points that a thread projects at a time. Half of it makes tasks of less than 50 us; twice of it leaves threads
     /// idle where points are few.
     const POINTS_A_TASK: usize = 4096;
-    let mut vertices = vec![Vertex::default(); positions.len()];
+    let mut vertices = Kept::to_overwrite(positions.len());
     let tasks = positions.par_chunks(POINTS_A_TASK).zip(vertices.par_chunks_mut(POINTS_A_TASK));
     tasks.for_each(|(positions, vertices)| project(camera, positions, vertices));
     vertices

@@ -23,6 +23,10 @@ use table::Table;
 
 type Part = fn(&mut Table);
 
+/// The maximum number of bytes of large buffers to keep between computations, as a service does: enough for level 6 of
+/// the peers.
+const KEPT_BYTES: usize = 2 << 30;
+
 const PARTS: &[(&str, Part)] = &[
     ("refine", refine::measure),
     ("peers", peers::measure),
@@ -43,6 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let names: Vec<_> = PARTS.iter().map(|(name, _)| *name).collect();
         return Err(format!("there is no part {unknown}; known are {}", names.join(", ")).into());
     }
+    planish::kept::keep_at_most(KEPT_BYTES);
     let mut table = Table::default();
     for (name, part) in PARTS {
         if asked.is_empty() || asked.iter().any(|asked| asked == name) {

@@ -26,9 +26,6 @@ const LONG_ENOUGH: Duration = Duration::from_secs(3);
 /// Pairs of runs before those that count: the heaps become warm, the processors awake.
 const WARMING: usize = 2;
 
-/// What is kept of large buffers, as the peer's heap keeps its memory: enough for level 6.
-const KEPT: usize = 2 << 30;
-
 /// What is compared: a name, the scheme in the peer, its mesh, the plan, the levels, and the least ratio aimed at.
 struct Contest<'a> {
     name: &'a str,
@@ -43,7 +40,6 @@ pub(crate) fn measure(_: &mut Table) {
         Ok(program) => program,
         Err(why) => return say(&format!("peers: nothing is compared, as {why}")),
     };
-    keep_at_most(KEPT);
     let (quads, mixed, triangles) = (nets::sphere(32), nets::mixed(32), nets::tetrakis(4));
     let contests = [
         Contest {
@@ -165,7 +161,7 @@ impl Ours<'_> {
                 self.run();
             })
         });
-        keep_at_most(KEPT);
+        keep_at_most(crate::KEPT_BYTES);
         real(usize::try_from(counted.bytes_max).expect("it fits into memory"))
     }
 }

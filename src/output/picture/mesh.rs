@@ -9,6 +9,7 @@ use super::lines::{self, MeshLines};
 use super::look::SurfaceLook;
 use super::options::Options;
 use super::{legend, shading};
+use crate::kept::Kept;
 use crate::math::vector::unit;
 use crate::output::error::FormatError;
 use crate::output::hard_edges::HardEdges;
@@ -34,8 +35,8 @@ pub(crate) fn picture(
     // copies of vertices come after all others, so the edges of the mesh keep their indices
     let sides = split_vertices.as_ref().map_or(mesh, |split_vertices| split_vertices);
     let positions = if body { positions(sides, watch)? } else { Cow::default() };
-    let triangles = if body { triangulated(sides, watch)? } else { Vec::new() };
-    let smooth = if shaded { normals::of(sides, &positions, watch)? } else { Vec::new() };
+    let triangles = if body { triangulated(sides, watch)? } else { Kept::default() };
+    let smooth = if shaded { normals::of(sides, &positions, watch)? } else { Kept::default() };
     let flat = if shows("surface") && options.flat() { face_normals(mesh, &positions, watch)? } else { Vec::new() };
     let lines = MeshLines::of(scene, mesh, options, watch)?;
     let strip = legend::width(mesh.attachments(), options, shows("surface"));
@@ -68,9 +69,9 @@ pub(crate) fn picture(
 /// leaves small meshes to fewer threads.
 const FACES_PER_TASK: usize = 4096;
 
-fn triangulated(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 3]>, Stopped> {
+fn triangulated(mesh: &dyn MeshSource, watch: &Watch) -> Result<Kept<[u32; 3]>, Stopped> {
     let n_faces = mesh.n_faces();
-    let mut all = vec![[0; 3]; mesh.n_half_edges().saturating_sub(2 * n_faces)];
+    let mut all = Kept::to_overwrite(mesh.n_half_edges().saturating_sub(2 * n_faces));
     // if all faces have equally many vertices, as after any split, each part has this many triangles
     let share = FACES_PER_TASK * (all.len() / n_faces.max(1)).max(1);
     let cut = |chunk: &mut FaceChunk, (i, places): (usize, &mut [[u32; 3]])| {
@@ -88,8 +89,9 @@ fn triangulated(mesh: &dyn MeshSource, watch: &Watch) -> Result<Vec<[u32; 3]>, S
     let parts = all.par_chunks_mut(share).enumerate();
     let fitting: Vec<bool> = parts.map_init(FaceChunk::default, cut).collect::<Result<_, Stopped>>()?;
     if fitting.contains(&false) {
-        all.clear();
+        let mut all = Vec::with_capacity(all.len());
         each_face(mesh, watch, |face| all.extend(triangles(face)))?;
+        return Ok(all.into());
     }
     Ok(all)
 }
