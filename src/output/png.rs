@@ -203,7 +203,7 @@ pub(super) fn bytes(size: [u32; 2]) -> Size {
 pub(super) fn pixels(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<Vec<u8>, FormatError> {
     let options = Options::new(values, scene.coordinate_system);
     watch.enter(Stage::Render);
-    options::check_extent(scene)?;
+    options::check_extent(scene, watch)?;
     match scene.shape {
         Shape::Mesh(shape) => mesh::picture(scene, shape, &options, watch),
         Shape::Curves(curves) => {

@@ -42,11 +42,12 @@ impl<'a> Positions<'a> {
     /// Reads all positions into memory, and refuses coordinates that do not fit.
     pub(super) fn held(self, watch: &Watch) -> Result<Self, FormatError> {
         if let PositionSource::Held(rows) = &self.source {
-            in_chunks(rows.len(), |range| {
+            let check = |(i, rows): (usize, &[[f64; 3]])| {
                 watch.check()?;
-                self.check(range.start, &rows[range])
-            })?;
-            return Ok(self);
+                self.check(i * ROWS_PER_CHUNK, rows)
+            };
+            let unfit = rows.par_chunks(ROWS_PER_CHUNK).enumerate().map(check).find_first(Result::is_err);
+            return unfit.unwrap_or(Ok(())).map(|()| self);
         }
         let (mut rows, mut buffer) = (Vec::with_capacity(self.len()), Vec::new());
         in_chunks(self.len(), |range| {

@@ -1,7 +1,9 @@
 //! The camera: its position, how it frames a set of points, and the projection of points to the picture.
 
+use multiversion::multiversion;
 use rayon::prelude::*;
 
+use super::axes::{AxisRows, along, axis_rows};
 use crate::math::functions::{cos, sin, tan};
 use crate::math::sharing::is_small;
 use crate::math::vector::{Vector, cross, dot, minus, plus, reduce, times};
@@ -91,32 +93,31 @@ pub struct Camera {
     pub(super) radius: f64,
 }
 
-/// Combines the results of `one` for all points; `none` is the result for no points.
+/// Points that a thread looks at together. Half of it makes tasks of few microseconds; twice of it leaves threads idle
+/// where points are few.
+const POINTS_A_TASK: usize = 4096;
+
+/// Combines the results of `of` for parts of all points; `none` is the result for no points.
 fn joined<T: Copy + Send + Sync>(
     points: &[&[Vector]],
     none: T,
-    one: impl Fn(&Vector) -> T + Sync,
+    of: impl Fn(&[Vector]) -> T + Send + Sync,
     join: impl Fn(T, T) -> T + Sync + Send + Copy,
 ) -> T {
-    let add = |sum: T, point: &Vector| join(sum, one(point));
     if is_small(points.iter().map(|list| list.len()).sum()) {
-        return points.iter().copied().flatten().fold(none, add);
+        return points.iter().fold(none, |found, list| join(found, of(list)));
     }
-    points
-        .par_iter()
-        .map(|list| list.par_iter().with_min_len(4096).fold(|| none, add).reduce(|| none, join))
-        .reduce(|| none, join)
+    let parts = points.par_iter().flat_map(|list| list.par_chunks(POINTS_A_TASK));
+    parts.map(of).reduce(|| none, join)
 }
 
 /// Returns the centre and half the largest side of the bounding box of finite points; `([0, 0, 0], 1)` if there are
 /// none.
 fn bounds(points: &[&[Vector]]) -> (Vector, f64) {
-    let none = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    let join = |(a, b): (Vector, Vector), (c, d): (Vector, Vector)| {
-        ([0, 1, 2].map(|i| a[i].min(c[i])), [0, 1, 2].map(|i| b[i].max(d[i])))
+    let join = |[a, b]: [Vector; 2], [c, d]: [Vector; 2]| {
+        [[0, 1, 2].map(|i| a[i].min(c[i])), [0, 1, 2].map(|i| b[i].max(d[i]))]
     };
-    let one = |&p: &Vector| if p.iter().all(|x| x.is_finite()) { (p, p) } else { none };
-    let (low, high) = joined(points, none, one, join);
+    let [low, high] = joined(points, NO_BOX, bounding_box, join);
     if low[0] > high[0] {
         return ([0.0; 3], 1.0);
     }
@@ -166,18 +167,74 @@ fn aimed(view: &View, eye: Vector, target: Vector) -> [Vector; 3] {
 /// Returns the extents of points to the right, left, top and bottom, each reduced by `tangent x distance`, then forward
 /// and backward.
 fn reach(points: &[&[Vector]], centre: Vector, [right, up, forward]: [Vector; 3], tangent: [f64; 2]) -> [f64; 6] {
-    let none = [f64::NEG_INFINITY; 6];
-    let join = |mut a: [f64; 6], b: [f64; 6]| {
-        a.iter_mut().zip(b).for_each(|(a, b)| *a = if b > *a { b } else { *a });
+    let join = |mut a: [[f64; 4]; 4], b: [[f64; 4]; 4]| {
+        a.iter_mut().flatten().zip(b.as_flattened()).for_each(|(a, b)| *a = a.max(*b));
         a
     };
-    let one = |&p: &Vector| {
-        let r = minus(p, centre);
-        let (x, y, z) = (dot(r, right), dot(r, up), dot(r, forward));
-        [x - tangent[0] * z, -x - tangent[0] * z, y - tangent[1] * z, -y - tangent[1] * z, z, -z]
-    };
-    let found = joined(points, none, one, join);
+    let (rows, tangents) = (axis_rows([right, up, forward]), [tangent[0], tangent[1], 0.0, 0.0]);
+    let of = |points: &[Vector]| farthest(&rows, centre, &tangents, points);
+    let [ahead, back, reduced, reduced_back] = joined(points, [[f64::NEG_INFINITY; 4]; 4], of, join);
+    let found = [reduced[0], reduced_back[0], reduced[1], reduced_back[1], ahead[2], back[2]];
     if found.iter().all(|x| x.is_finite()) { found } else { [0.0; 6] }
+}
+
+/// The least and the largest coordinates of no points.
+const NO_BOX: [Vector; 2] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+
+/// Returns the least and the largest coordinates of those points that are finite. Wider vectors give the same bits.
+#[multiversion(targets("x86_64+avx2"))]
+fn bounding_box(points: &[Vector]) -> [Vector; 2] {
+    /// Points side by side, whose twelve coordinates fill three vector registers.
+    const LANES: usize = 4;
+    let (lines, rest) = points.as_chunks::<LANES>();
+    let [mut low, mut high] = NO_BOX.map(|corner| [corner; LANES]);
+    for line in lines {
+        let mut are_finite = true;
+        for i in 0..LANES {
+            for k in 0..3 {
+                are_finite &= line[i][k].abs() < f64::INFINITY;
+            }
+        }
+        if are_finite {
+            for i in 0..LANES {
+                for k in 0..3 {
+                    low[i][k] = if line[i][k] < low[i][k] { line[i][k] } else { low[i][k] };
+                    high[i][k] = if line[i][k] > high[i][k] { line[i][k] } else { high[i][k] };
+                }
+            }
+        } else {
+            include_finite(line, (&mut low[0], &mut high[0]));
+        }
+    }
+    include_finite(rest, (&mut low[0], &mut high[0]));
+    let least = |i: usize| low.iter().fold(f64::INFINITY, |least, corner| least.min(corner[i]));
+    let largest = |i: usize| high.iter().fold(f64::NEG_INFINITY, |largest, corner| largest.max(corner[i]));
+    [[0, 1, 2].map(least), [0, 1, 2].map(largest)]
+}
+
+/// Grows a box so that it contains those points that are finite.
+fn include_finite(points: &[Vector], (low, high): (&mut Vector, &mut Vector)) {
+    for point in points.iter().filter(|point| point.iter().all(|x| x.is_finite())) {
+        (*low, *high) = ([0, 1, 2].map(|k| low[k].min(point[k])), [0, 1, 2].map(|k| high[k].max(point[k])));
+    }
+}
+
+/// Returns how far points reach along the axes from `centre`, and against them; then both again, reduced for each axis
+/// by its tangent times the distance along the third axis. Wider vectors give the same bits.
+#[multiversion(targets("x86_64+avx2"))]
+fn farthest(rows: &AxisRows, centre: Vector, tangents: &[f64; 4], points: &[Vector]) -> [[f64; 4]; 4] {
+    let mut far = [[f64::NEG_INFINITY; 4]; 4];
+    for point in points {
+        let p = along(rows, [point[0] - centre[0], point[1] - centre[1], point[2] - centre[2]]);
+        for k in 0..4 {
+            let reduced = tangents[k] * p[2];
+            let found = [p[k], -p[k], p[k] - reduced, -p[k] - reduced];
+            for i in 0..4 {
+                far[i][k] = if found[i] > far[i][k] { found[i] } else { far[i][k] };
+            }
+        }
+    }
+    far
 }
 
 impl Camera {

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
+use super::axes::{AxisRows, along, axis_rows};
 use super::camera::unit;
 use super::model::Model;
 use crate::kept::Kept;
@@ -37,9 +38,6 @@ const TOUCH_DIRECTIONS: usize = 16;
 
 /// A place: two horizontal coordinates, the height, and 0. Four numbers fill a vector register.
 pub(super) type GroundPlace = [f32; 4];
-
-/// The components of three axes and of a fourth one, which is 0, to the first, the second and the third direction.
-type AxisRows = [[f64; 4]; 3];
 
 /// The model above the ground in coordinates of its own: two horizontal directions and up, from its centre, in units of
 /// half its longer side.
@@ -75,7 +73,7 @@ impl<'a> GroundFrame<'a> {
         let aside = if sky[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
         let right = unit(cross(sky, aside))?;
         let axes = [right, cross(sky, right), sky];
-        let rows = [0, 1, 2].map(|k| [axes[0][k], axes[1][k], axes[2][k], 0.0]);
+        let rows = axis_rows(axes);
         let is_used = used(model);
         let parts = model.positions.par_chunks(ITEMS_PER_TASK).zip(is_used.par_chunks(ITEMS_PER_TASK));
         let join = |a: [[f64; 4]; 2], b: [[f64; 4]; 2]| {
@@ -130,17 +128,6 @@ impl<'a> GroundFrame<'a> {
 
 /// The least and the largest coordinates of no points.
 const NOWHERE: [[f64; 4]; 2] = [[f64::INFINITY; 4], [f64::NEG_INFINITY; 4]];
-
-/// Returns the coordinates of a vector along the axes.
-#[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
-#[inline(always)]
-fn along(rows: &AxisRows, [x, y, z]: Vector) -> [f64; 4] {
-    let mut along = [0.0; 4];
-    for k in 0..4 {
-        along[k] = rows[0][k] * x + rows[1][k] * y + rows[2][k] * z;
-    }
-    along
-}
 
 /// Returns the least and the largest coordinates along the axes of those points that a triangle has. Points that are no
 /// numbers do not count. Wider vectors give the same bits.

@@ -8,6 +8,7 @@
 //! with sixteen samples. At last hollows are darkened, a shadow is laid on the ground, and lines are laid over all.
 //! Threads divide tiles, never a sum: the bytes are the same for any number of threads.
 
+mod axes;
 mod binned_model;
 mod bins;
 mod camera;

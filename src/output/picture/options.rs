@@ -8,9 +8,11 @@ use crate::output::colors::linear;
 use crate::output::counts::ShapeKind;
 use crate::output::error::FormatError;
 use crate::output::numbers::rounded;
-use crate::output::scene::{CoordinateSystem, Scene, Shape, in_chunks};
+use crate::output::positions::Positions;
+use crate::output::scene::{CoordinateSystem, Scene, Shape};
 use crate::output::surface::NORMALS;
 use crate::raster::{Ground, MAX_SIDE_PX, Projection, RenderStyle, View};
+use crate::watch::Watch;
 
 /// Maximum width and height, pixels.
 const MAX_SIDE: i64 = MAX_SIDE_PX as i64;
@@ -165,19 +167,17 @@ pub(super) const CAMERA_FIELDS: &[Parameter] = &[
 ];
 
 /// Refuses shapes whose coordinates are too large or too small for the arithmetic of a camera.
-pub(crate) fn check_extent(scene: &Scene<'_>) -> Result<(), FormatError> {
+pub(crate) fn check_extent(scene: &Scene<'_>, watch: &Watch) -> Result<(), FormatError> {
     let mut largest = 0.0_f64;
     match scene.control.shape() {
         Shape::Curves(curves) => {
             curves.iter().flat_map(|curve| &curve.points).for_each(|x| largest = largest.max(x.abs()));
         }
         Shape::Mesh(mesh) => {
-            let mut chunk = Vec::new();
-            in_chunks(mesh.n_vertices(), |range| {
-                mesh.positions(range, &mut chunk);
-                chunk.iter().flatten().for_each(|x| largest = largest.max(x.abs()));
-                Ok::<_, FormatError>(())
-            })?;
+            let bounds = Positions::of_mesh(mesh).bounds(watch)?;
+            if !bounds.is_empty() {
+                bounds.min.iter().chain(&bounds.max).for_each(|x| largest = largest.max(x.abs()));
+            }
         }
     }
     if largest == 0.0 || (1e-100..=1e100).contains(&largest) {

@@ -77,7 +77,7 @@ pub(crate) fn draw(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<
         let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
         options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
     }
-    options::check_extent(scene)?;
+    options::check_extent(scene, watch)?;
     let options = Options::new(values, scene.coordinate_system);
     match scene.shape {
         Shape::Mesh(mesh) if !asked(values) => hidden_lines::drawing(scene, mesh, &options, watch),
