@@ -181,7 +181,7 @@ struct OnMap {
 }
 
 /// Returns where the pixels of a row of a tile see the map. Wider vectors give the same bits.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn on_map<'a>(row: &ShadowRow<'a>, first: f64) -> OnMap {
     let shadow = row.shadow;
     let [left, _, right, _] = shadow.reach_px.map(|px| px as f64);

@@ -123,7 +123,7 @@ impl<'a> FacetBlock<'a> {
 }
 
 /// Returns whether some normal of a block is undefined, which is 0.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn has_undefined(normals: &[[FacetRow<f64>; 3]; 3]) -> bool {
     let mut n = 0_u64;
     for corner in normals {

@@ -101,7 +101,7 @@ impl GroundFrame<'_> {
 
 /// Lowers the cells below triangles to their heights there, and returns the number of sampled places. As soon as that
 /// would be above `most`, the rest is left out. Wider vectors give the same bits.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn lay(map: &GroundMap, (places, triangles): (&[GroundPlace], &[[u32; 3]]), heights: &mut [f32], most: u64) -> u64 {
     let mut n_places = 0;
     for &[a, b, c] in triangles {

@@ -191,7 +191,7 @@ fn dress(
 /// Finds the parts of the pixels of a row, given the triangle seen at each sample.
 ///
 /// Whether samples of a pixel see the same triangle is as good as random, so there is no branch that depends on it.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn find_parts(owners: &[[u32; SAMPLES]; TILE], parts: &mut RowParts) {
     let mut seen = [[NOBODY; TILE]; SAMPLES];
     for (x, owners) in owners.iter().enumerate() {

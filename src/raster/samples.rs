@@ -169,7 +169,7 @@ impl Samples {
 }
 
 /// Draws the triangles that wait, two pixels at a time; wider vectors give the same bits.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn draw_everywhere(samples: &mut Samples, origin: [i32; 2]) {
     let setups = BlockSetup::of(&samples.waiting, origin);
     for i in 0..samples.waiting.n.min(BLOCK_TRIANGLES) {
@@ -185,7 +185,7 @@ fn draw_everywhere(samples: &mut Samples, origin: [i32; 2]) {
 }
 
 /// Draws triangle `i` of those that wait, which is wide. Wider vectors give the same bits.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn fill_wide(samples: &mut Samples, setups: &BlockSetup, i: usize) {
     let id = samples.waiting.id[i];
     samples.done.pixels += setups.at(i).fill_cut(id, &mut samples.depth, &mut samples.owner, &samples.places);

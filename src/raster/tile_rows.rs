@@ -96,7 +96,7 @@ fn darken(light: &mut RowLight, open: &[f32; TILE]) {
 }
 
 /// Lays a surface over the shadow on the background, and lines over all.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn encoded(
     surface: &RowLight,
     lines: &RowLight,

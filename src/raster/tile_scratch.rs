@@ -229,7 +229,7 @@ fn alphas<'a>(model: &'a BinnedModel<'_>, id: u32, origin: [i32; 2]) -> impl Fn(
 }
 
 /// Converts light to 16-bit integers. Wider vectors give the same bits.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn pack(light: &[[f32; 4]], packed: &mut [[u16; 4]]) {
     for (packed, light) in packed.iter_mut().zip(light) {
         for k in 0..4 {
