@@ -7,7 +7,7 @@ use multiversion::multiversion;
 use super::bins::TILE;
 use super::project::Vertex;
 use super::triangle::{CUT_PX, NOBODY, PLACE_ROWS, PlaceRows, SAMPLES, TILE_SIDE};
-use super::triangle_block::{BLOCK_TRIANGLES, BlockSetup, TriangleBlock};
+use super::triangle_block::{BLOCK_TRIANGLES, BlockSetup, TriangleBlock, prepared};
 
 /// Depth and owner of every sample of a tile.
 #[derive(Debug)]
@@ -100,7 +100,7 @@ impl Samples {
     ) {
         self.settle(origin);
         self.waiting.push(corners, id);
-        let setups = BlockSetup::of(&self.waiting, origin);
+        let setups = prepared(&self.waiting, origin);
         if self.prepared(&setups, 0).is_some() {
             self.done.pixels += setups.at(0).fill_where(id, &mut self.depth, &mut self.owner, &is_there);
         }
@@ -171,7 +171,7 @@ impl Samples {
 /// Draws the triangles that wait, two pixels at a time; wider vectors give the same bits.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn draw_everywhere(samples: &mut Samples, origin: [i32; 2]) {
-    let setups = BlockSetup::of(&samples.waiting, origin);
+    let setups = prepared(&samples.waiting, origin);
     for i in 0..samples.waiting.n.min(BLOCK_TRIANGLES) {
         let Some(width) = samples.prepared(&setups, i) else { continue };
         if width < CUT_PX {

@@ -8,6 +8,8 @@
     reason = "loops without branches are vector code"
 )]
 
+use multiversion::multiversion;
+
 use super::project::{BEHIND, STEPS_A_PIXEL, Vertex};
 use super::triangle::{
     CUT_PX, NEAR_ORIGIN, SAMPLE_PLACES, SAMPLES, TILE_SIDE, TileEdge, TriangleSetup, edge, high_pixel, low_pixel,
@@ -63,7 +65,7 @@ struct CornerPlaces {
 }
 
 impl CornerPlaces {
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
     #[inline(always)]
     fn of(block: &TriangleBlock, areas: &BlockRow<f64>) -> Self {
         let (mut x, mut y) = (block.x, block.y);
@@ -122,12 +124,18 @@ impl TriangleBlock {
     }
 }
 
+/// Prepares triangles for the tile whose first pixel is `origin`; wider vectors give the same bits. It is not part of
+/// what draws them, since AVX-512 makes that faster and this slower.
+#[multiversion(targets("x86_64+avx2"))]
+pub(super) fn prepared(block: &TriangleBlock, origin: [i32; 2]) -> BlockSetup {
+    BlockSetup::of(block, origin)
+}
+
 impl BlockSetup {
-    /// Prepares triangles for the tile whose first pixel is `origin`. There are no branches but
-    /// for triangles far from the tile, so that it is vector code.
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    /// Prepares triangles like [`prepared`]. There are no branches but for triangles far from the tile, so that it is
+    /// vector code.
     #[inline(always)]
-    pub(super) fn of(block: &TriangleBlock, origin: [i32; 2]) -> Self {
+    fn of(block: &TriangleBlock, origin: [i32; 2]) -> Self {
         let (row, zero) = ([0; BLOCK_TRIANGLES], [0.0; BLOCK_TRIANGLES]);
         let mut setup = Self {
             left: row,
@@ -177,7 +185,7 @@ impl BlockSetup {
 
     /// Sets the edge functions at the corner of the pixel in column `first` and in the first row, for triangles whose
     /// corners are near: there, every edge is taken to cross the tile.
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
     #[inline(always)]
     fn add_edges(&mut self, corners: &CornerPlaces, corner: [i32; 2]) {
         for k in 0..3 {
@@ -196,7 +204,7 @@ impl BlockSetup {
     }
 
     /// Sets the depths at the samples of the first pixel of the box and their growth.
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
     #[inline(always)]
     fn add_depths(&mut self, block: &TriangleBlock, corner: [i32; 2]) {
         let mut first = [0.0; BLOCK_TRIANGLES];
@@ -228,7 +236,7 @@ impl BlockSetup {
 
     /// Returns the pixels of triangle `i` in the tile: left, top, right, bottom, bounds included; `None` if there are
     /// none.
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
     #[inline(always)]
     pub(super) fn pixels(&self, i: usize) -> Option<[i32; 4]> {
         let [left, top, right, bottom] = [self.left[i], self.top[i], self.right[i], self.bottom[i]];
@@ -236,7 +244,7 @@ impl BlockSetup {
     }
 
     /// Returns triangle `i`, which has pixels in the tile.
-    #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
     #[inline(always)]
     pub(super) fn at(&self, i: usize) -> TriangleSetup {
         let of = |rows: &[BlockRow<i32>; 3]| [rows[0][i], rows[1][i], rows[2][i]];
