@@ -62,6 +62,10 @@ impl Plain for f32 {
     const UNSPECIFIED: Self = if cfg!(debug_assertions) { Self::NAN } else { 0.0 };
 }
 
+impl Plain for u8 {
+    const UNSPECIFIED: Self = if cfg!(debug_assertions) { Self::MAX } else { 0 };
+}
+
 impl Plain for u32 {
     const UNSPECIFIED: Self = if cfg!(debug_assertions) { Self::MAX } else { 0 };
 }

@@ -159,12 +159,10 @@ impl<'a> Film<'a> {
     /// # Errors
     /// Errors of the picture, or when the writer fails.
     pub fn frame(&mut self, scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<(), FormatError> {
-        let mut pixels = picture::pixels(scene, values, watch)?;
+        let pixels = picture::pixels(scene, values, watch)?;
         watch.check()?;
         watch.enter(Stage::Encode);
-        if self.is_opaque {
-            picture::without_alpha(&mut pixels);
-        }
+        let pixels = if self.is_opaque { picture::without_alpha(&pixels) } else { pixels.into() };
         self.writer.write_image_data(&pixels).map_err(failed)
     }
 
