@@ -58,14 +58,22 @@ fn refusal(error: &serde_json::Error, pointer: String, bytes: &[u8]) -> ReadErro
     } else {
         let deep = text.starts_with("recursion limit");
         let remedy = match broken.as_ref().unwrap_or(error) {
-            _ if deep => "; lists and objects are nested too deep",
-            _ if bytes.starts_with(UTF_8_MARK) => "; it begins with a byte order mark, send UTF-8 without it",
-            _ if UTF_16_MARKS.iter().any(|mark| bytes.starts_with(mark)) => "; it is UTF-16, send UTF-8",
-            error if is_no_number(bytes, error) => "; JSON has neither NaN nor Infinity, all numbers are finite",
-            _ => "",
+            _ if deep => Some("lists and objects are nested too deep"),
+            _ if let Some(mark) = marked(bytes) => Some(mark),
+            error if is_no_number(bytes, error) => Some("JSON has neither NaN nor Infinity, all numbers are finite"),
+            _ => None,
         };
+        let remedy = remedy.map(|remedy| format!("; {remedy}")).unwrap_or_default();
         ReadError::NotJson(format!("the body is not JSON: {text}{remedy}"))
     }
+}
+
+/// Returns what is to be said of bytes that begin with a byte order mark, which no JSON may.
+pub fn marked(bytes: &[u8]) -> Option<&'static str> {
+    if bytes.starts_with(UTF_8_MARK) {
+        return Some("it begins with a byte order mark, send UTF-8 without it");
+    }
+    UTF_16_MARKS.iter().any(|mark| bytes.starts_with(mark)).then_some("it is UTF-16, send UTF-8")
 }
 
 /// Whether the text at an error is NaN or an infinity as other languages write them.
