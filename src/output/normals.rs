@@ -203,7 +203,7 @@ mod tests {
         let mut positions = Vec::new();
         mesh.positions(0..9, &mut positions);
         positions.iter_mut().flatten().for_each(|x| *x *= size);
-        area(&mesh, &positions, &Watch::new()).expect("nobody stops it")
+        area(&mesh, &positions, &Watch::new()).expect("nobody stops it").to_vec()
     }
 
     #[test]

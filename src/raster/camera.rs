@@ -190,10 +190,8 @@ fn bounding_box(points: &[Vector]) -> [Vector; 2] {
     let [mut low, mut high] = NO_BOX.map(|corner| [corner; LANES]);
     for line in lines {
         let mut are_finite = true;
-        for i in 0..LANES {
-            for k in 0..3 {
-                are_finite &= line[i][k].abs() < f64::INFINITY;
-            }
+        for x in line.as_flattened() {
+            are_finite &= x.abs() < f64::INFINITY;
         }
         if are_finite {
             for i in 0..LANES {

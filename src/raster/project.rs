@@ -130,6 +130,7 @@ fn project(camera: &Camera, positions: &[Vector], vertices: &mut [Vertex]) {
 
 /// Returns points in view coordinates, number by number (see [`Camera::view`]), from their coordinates along the axes of
 /// the camera.
+#[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
 #[inline(always)]
 fn seen(camera: &Camera, along_axes: &PointRow<[f64; 4]>) -> [PointRow<f64>; 4] {
     let mut seen = [[0.0; BLOCK_POINTS]; 4];
@@ -227,7 +228,7 @@ mod tests {
             }
             let placed = vertices(&camera, &points);
             let numbers = |vertex: &Vertex| (vertex.x, vertex.y, vertex.depth.to_bits(), vertex.sides);
-            for (point, found) in points.iter().zip(&placed) {
+            for (point, found) in points.iter().zip(&*placed) {
                 prop_assert_eq!(numbers(found), numbers(&vertex(&camera, *point)), "{:?}", point);
             }
         }

@@ -134,6 +134,7 @@ pub(super) fn prepared(block: &TriangleBlock, origin: [i32; 2]) -> BlockSetup {
 impl BlockSetup {
     /// Prepares triangles like [`prepared`]. There are no branches but for triangles far from the tile, so that it is
     /// vector code.
+    #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
     #[inline(always)]
     fn of(block: &TriangleBlock, origin: [i32; 2]) -> Self {
         let (row, zero) = ([0; BLOCK_TRIANGLES], [0.0; BLOCK_TRIANGLES]);

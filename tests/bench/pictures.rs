@@ -4,6 +4,7 @@ use std::hint::black_box;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use planish::kept::Kept;
 use planish::math::parameter::{Literal, Values};
 use planish::output::normals;
 use planish::output::scene::{CoordinateSystem, FaceChunk, Notes, Scene, Shape, triangles};
@@ -39,7 +40,7 @@ fn picture(table: &mut Table, what: &str, mesh: &RefinedMesh, most_ms: f64) {
 
     let positions = mesh.all_positions();
     let watch = Watch::new();
-    let mut of_vertices = Vec::new();
+    let mut of_vertices = Kept::default();
     let lit = best(|| of_vertices = normals::area(mesh, &positions, &watch).expect("nobody stops it"));
     table.add(&format!("normals, {what}"), (ms(lit), "ms"), &in_copies(lit), Aim::None, "");
 
