@@ -1,9 +1,8 @@
 //! The camera: its position, how it frames a set of points, and the projection of points to the picture.
 
-use multiversion::multiversion;
 use rayon::prelude::*;
 
-use super::axes::{AxisRows, along, axis_rows};
+use super::axes::{NO_BOX, axis_rows, bounding_box, farthest};
 use crate::math::functions::{cos, sin, tan};
 use crate::math::sharing::is_small;
 use crate::math::vector::{Vector, cross, dot, minus, plus, reduce, times};
@@ -176,63 +175,6 @@ fn reach(points: &[&[Vector]], centre: Vector, [right, up, forward]: [Vector; 3]
     let [ahead, back, reduced, reduced_back] = joined(points, [[f64::NEG_INFINITY; 4]; 4], of, join);
     let found = [reduced[0], reduced_back[0], reduced[1], reduced_back[1], ahead[2], back[2]];
     if found.iter().all(|x| x.is_finite()) { found } else { [0.0; 6] }
-}
-
-/// The least and the largest coordinates of no points.
-const NO_BOX: [Vector; 2] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-
-/// Returns the least and the largest coordinates of those points that are finite. Wider vectors give the same bits.
-#[multiversion(targets("x86_64+avx2"))]
-fn bounding_box(points: &[Vector]) -> [Vector; 2] {
-    /// Points side by side, whose twelve coordinates fill three vector registers.
-    const LANES: usize = 4;
-    let (lines, rest) = points.as_chunks::<LANES>();
-    let [mut low, mut high] = NO_BOX.map(|corner| [corner; LANES]);
-    for line in lines {
-        let mut are_finite = true;
-        for x in line.as_flattened() {
-            are_finite &= x.abs() < f64::INFINITY;
-        }
-        if are_finite {
-            for i in 0..LANES {
-                for k in 0..3 {
-                    low[i][k] = if line[i][k] < low[i][k] { line[i][k] } else { low[i][k] };
-                    high[i][k] = if line[i][k] > high[i][k] { line[i][k] } else { high[i][k] };
-                }
-            }
-        } else {
-            include_finite(line, (&mut low[0], &mut high[0]));
-        }
-    }
-    include_finite(rest, (&mut low[0], &mut high[0]));
-    let least = |i: usize| low.iter().fold(f64::INFINITY, |least, corner| least.min(corner[i]));
-    let largest = |i: usize| high.iter().fold(f64::NEG_INFINITY, |largest, corner| largest.max(corner[i]));
-    [[0, 1, 2].map(least), [0, 1, 2].map(largest)]
-}
-
-/// Grows a box so that it contains those points that are finite.
-fn include_finite(points: &[Vector], (low, high): (&mut Vector, &mut Vector)) {
-    for point in points.iter().filter(|point| point.iter().all(|x| x.is_finite())) {
-        (*low, *high) = ([0, 1, 2].map(|k| low[k].min(point[k])), [0, 1, 2].map(|k| high[k].max(point[k])));
-    }
-}
-
-/// Returns how far points reach along the axes from `centre`, and against them; then both again, reduced for each axis
-/// by its tangent times the distance along the third axis. Wider vectors give the same bits.
-#[multiversion(targets("x86_64+avx2"))]
-fn farthest(rows: &AxisRows, centre: Vector, tangents: &[f64; 4], points: &[Vector]) -> [[f64; 4]; 4] {
-    let mut far = [[f64::NEG_INFINITY; 4]; 4];
-    for point in points {
-        let p = along(rows, [point[0] - centre[0], point[1] - centre[1], point[2] - centre[2]]);
-        for k in 0..4 {
-            let reduced = tangents[k] * p[2];
-            let found = [p[k], -p[k], p[k] - reduced, -p[k] - reduced];
-            for i in 0..4 {
-                far[i][k] = if found[i] > far[i][k] { found[i] } else { far[i][k] };
-            }
-        }
-    }
-    far
 }
 
 impl Camera {

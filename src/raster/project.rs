@@ -128,8 +128,8 @@ fn project(camera: &Camera, positions: &[Vector], vertices: &mut [Vertex]) {
     }
 }
 
-/// Returns points in view coordinates, number by number (see [`Camera::view`]), from their coordinates along the axes of
-/// the camera.
+/// Returns points in view coordinates (see [`Camera::view`]), number by number, from their coordinates along the axes
+/// of the camera.
 #[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
 #[inline(always)]
 fn seen(camera: &Camera, along_axes: &PointRow<[f64; 4]>) -> [PointRow<f64>; 4] {
