@@ -3,6 +3,7 @@
 
 use std::any::Any;
 use std::collections::VecDeque;
+use std::fmt;
 use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -16,41 +17,77 @@ struct KeptBuffer {
     buffer: Box<dyn Any + Send>,
 }
 
-/// The kept buffers, those kept longest first, and the maximum number of bytes to keep.
+/// The kept buffers, oldest first, their bytes, and the maximum of these.
 struct KeptBuffers {
     most: usize,
     used: usize,
     buffers: VecDeque<KeptBuffer>,
 }
 
-static KEPT_BUFFERS: Mutex<KeptBuffers> = Mutex::new(KeptBuffers { most: 0, used: 0, buffers: VecDeque::new() });
+static KEPT_BUFFERS: Mutex<KeptBuffers> = Mutex::new(KeptBuffers::NONE);
 
 fn shelf() -> MutexGuard<'static, KeptBuffers> {
     KEPT_BUFFERS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl KeptBuffers {
-    /// Drops the buffers that were kept longest until at most `most` bytes are kept.
-    fn shrink_to(&mut self, most: usize) {
+    const NONE: Self = Self { most: 0, used: 0, buffers: VecDeque::new() };
+
+    /// Takes the smallest buffer with room for `len` values, unless more than a fifth of it would be unused.
+    fn take<T: Plain>(&mut self, len: usize) -> Option<Vec<T>> {
+        let fitting = |kept: &KeptBuffer| {
+            let n = kept.buffer.downcast_ref::<Vec<T>>()?.len();
+            (len..=len.saturating_add(len / 4)).contains(&n).then_some(n)
+        };
+        let (_, at) = self.buffers.iter().enumerate().filter_map(|(at, kept)| Some((fitting(kept)?, at))).min()?;
+        let kept = self.buffers.remove(at)?;
+        self.used -= kept.bytes;
+        kept.buffer.downcast().ok().map(|buffer| *buffer)
+    }
+
+    /// Keeps a buffer, if it alone is not too large. Returns the buffers that give way.
+    fn keep<T: Plain>(&mut self, buffer: Vec<T>) -> Vec<KeptBuffer> {
+        let bytes = bytes(&buffer);
+        if bytes > self.most {
+            return Vec::new();
+        }
+        let left = self.shrunk_to(self.most - bytes);
+        self.used += bytes;
+        self.buffers.push_back(KeptBuffer { bytes, buffer: Box::new(buffer) });
+        left
+    }
+
+    /// Leaves at most so many bytes, and returns the oldest buffers, which they do not hold.
+    fn shrunk_to(&mut self, most: usize) -> Vec<KeptBuffer> {
+        let mut left = Vec::new();
         while self.used > most
             && let Some(oldest) = self.buffers.pop_front()
         {
             self.used -= oldest.bytes;
+            left.push(oldest);
         }
+        left
     }
+}
+
+fn bytes<T>(buffer: &Vec<T>) -> usize {
+    buffer.capacity() * size_of::<T>()
 }
 
 /// Sets the maximum number of bytes to keep; initially nothing is kept.
 pub fn keep_at_most(most: usize) {
     let mut shelf = shelf();
     shelf.most = most;
-    shelf.shrink_to(most);
+    let left = shelf.shrunk_to(most);
+    // nobody waits while the system takes memory back
+    drop(shelf);
+    drop(left);
 }
 
 /// A value that an array in kept memory may consist of.
 pub trait Plain: Copy + Send + 'static {
-    /// What stands in an array that is to be overwritten: in debug builds a value that no result should have, otherwise
-    /// zero, which fresh memory has by itself.
+    /// What stands in fresh memory that is to be overwritten: in debug builds, where it stands in all such memory, a
+    /// value that no result should have, otherwise zero.
     const UNSPECIFIED: Self;
 }
 
@@ -63,7 +100,7 @@ impl Plain for f32 {
 }
 
 impl Plain for u8 {
-    const UNSPECIFIED: Self = if cfg!(debug_assertions) { Self::MAX } else { 0 };
+    const UNSPECIFIED: Self = if cfg!(debug_assertions) { 0xa5 } else { 0 };
 }
 
 impl Plain for u32 {
@@ -75,7 +112,6 @@ impl<T: Plain, const N: usize> Plain for [T; N] {
 }
 
 /// An array whose memory may come from an earlier array and is kept for a later one on drop.
-#[derive(Debug, PartialEq)]
 pub struct Kept<T: Plain> {
     buffer: Vec<T>,
     len: usize,
@@ -85,9 +121,12 @@ pub struct Kept<T: Plain> {
 pub type Numbers = Kept<f64>;
 
 impl<T: Plain> Kept<T> {
-    /// Creates an array of `len` unspecified values, all of which the caller has to overwrite.
+    /// Creates an array of `len` unspecified values, all of which the caller has to overwrite: they may be those of an
+    /// earlier array.
     pub fn to_overwrite(len: usize) -> Self {
-        let Some(buffer) = taken(len) else { return vec![T::UNSPECIFIED; len].into() };
+        let is_small = len.saturating_mul(size_of::<T>()) < LEAST_KEPT_BYTES / 2;
+        let taken = if is_small { None } else { shelf().take(len) };
+        let Some(buffer) = taken else { return vec![T::UNSPECIFIED; len].into() };
         let mut kept = Self { buffer, len };
         if cfg!(debug_assertions) {
             kept.fill(T::UNSPECIFIED);
@@ -97,22 +136,20 @@ impl<T: Plain> Kept<T> {
 
     /// Returns the memory of the array in bytes.
     pub fn bytes(&self) -> usize {
-        self.buffer.capacity() * size_of::<T>()
+        bytes(&self.buffer)
     }
 }
 
-/// Takes the smallest kept buffer with room for `len` values, unless more than half of it would be unused.
-fn taken<T: Plain>(len: usize) -> Option<Vec<T>> {
-    let mut shelf = shelf();
-    let fitting = |kept: &KeptBuffer| {
-        let buffer: &Vec<T> = kept.buffer.downcast_ref()?;
-        (len..=2 * len).contains(&buffer.len()).then_some(buffer.len())
-    };
-    let buffers = shelf.buffers.iter().enumerate();
-    let (_, at) = buffers.filter_map(|(at, kept)| Some((fitting(kept)?, at))).min()?;
-    let kept = shelf.buffers.remove(at)?;
-    shelf.used -= kept.bytes;
-    kept.buffer.downcast().ok().map(|buffer| *buffer)
+impl<T: Plain + fmt::Debug> fmt::Debug for Kept<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        (**self).fmt(f)
+    }
+}
+
+impl<T: Plain + PartialEq> PartialEq for Kept<T> {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
+    }
 }
 
 impl<T: Plain> Default for Kept<T> {
@@ -149,18 +186,13 @@ impl<T: Plain> DerefMut for Kept<T> {
 
 impl<T: Plain> Drop for Kept<T> {
     fn drop(&mut self) {
-        let bytes = self.bytes();
-        if bytes < LEAST_KEPT_BYTES {
+        if self.bytes() < LEAST_KEPT_BYTES {
             return;
         }
-        let buffer = std::mem::take(&mut self.buffer);
         let mut shelf = shelf();
-        if bytes <= shelf.most {
-            let most = shelf.most - bytes;
-            shelf.shrink_to(most);
-            shelf.used += bytes;
-            shelf.buffers.push_back(KeptBuffer { bytes, buffer: Box::new(buffer) });
-        }
+        let left = shelf.keep(std::mem::take(&mut self.buffer));
+        drop(shelf);
+        drop(left);
     }
 }
 
@@ -169,19 +201,38 @@ mod tests {
     use super::*;
 
     #[test]
-    fn buffers_are_used_again_and_at_most_so_much_is_kept() {
-        let len = LEAST_KEPT_BYTES / size_of::<f64>();
-        keep_at_most(LEAST_KEPT_BYTES);
-        let (first, second) = (Numbers::to_overwrite(len), Numbers::to_overwrite(len));
-        let place = second.as_ptr();
-        drop(first);
-        drop(second); // instead of the first: there is room for one
-        let again = Numbers::to_overwrite(len - 1);
-        assert_eq!((again.as_ptr(), again.len()), (place, len - 1));
-        assert_eq!(taken::<f64>(len), None);
-        drop(again);
-        assert_eq!(taken::<[f64; 2]>(len / 2), None, "the same bytes of another type");
-        keep_at_most(0);
-        assert_eq!((taken::<f64>(len), shelf().used), (None, 0));
+    fn buffers_are_used_again_and_the_oldest_give_way() {
+        let mut shelf = KeptBuffers { most: 800, ..KeptBuffers::NONE };
+        let buffers = [40, 50, 60].map(|n| vec![0.0_f64; n]);
+        let [first, second, third] = [0, 1, 2].map(|i| buffers[i].as_ptr());
+        for buffer in buffers {
+            shelf.keep(buffer);
+        }
+        // 320 and 400 bytes gave way to 480
+        assert_eq!((shelf.used, shelf.buffers.len()), (480, 1));
+        assert!(shelf.take::<f64>(50).is_some_and(|taken| taken.as_ptr() == third));
+        assert_eq!(shelf.used, 0);
+        assert_ne!(first, second);
+    }
+
+    #[test]
+    fn only_buffers_that_fit_are_taken() {
+        let mut shelf = KeptBuffers { most: 10_000, ..KeptBuffers::NONE };
+        for n in [140, 100, 120] {
+            assert!(shelf.keep(vec![0.0_f64; n]).is_empty());
+        }
+        assert!(shelf.keep(vec![0.0_f64; 1251]).is_empty(), "it would not fit");
+        let mut taken = |len: usize| shelf.take::<f64>(len).map(|buffer| buffer.len());
+        assert_eq!([taken(79), taken(141), taken(101), taken(80), taken(80)], [None, None, Some(120), Some(100), None]);
+        assert_eq!(shelf.take::<[f64; 2]>(70), None, "the same bytes of another type");
+        assert_eq!(shelf.shrunk_to(0).len(), 1);
+        assert_eq!(shelf.used, 0);
+    }
+
+    #[test]
+    fn what_is_behind_an_array_does_not_count() {
+        let of = |buffer: Vec<u32>| Kept { buffer, len: 2 };
+        assert_eq!(of(vec![1, 2, 3]), of(vec![1, 2]));
+        assert_eq!(format!("{:?}", of(vec![1, 2, 3])), "[1, 2]");
     }
 }

@@ -1,7 +1,7 @@
 //! Detection of the kind of an input from its first bytes, for names that do not determine it.
 
 use crate::input;
-use crate::wire::read::marked;
+use crate::wire::read::mark_remedy;
 
 /// Returns the name of the reader, `json` for the JSON of a mesh, or `job`.
 ///
@@ -16,11 +16,12 @@ pub(super) fn sniffed(bytes: &[u8]) -> Result<&'static str, String> {
     }
     let reader = input::of_bytes(bytes).map(|reader| reader.name);
     reader.ok_or_else(|| {
-        if let Some(mark) = marked(bytes) {
-            return format!("{mark}; a mesh file may be named with --input-format");
-        }
-        let text = input::is_text(bytes).then_some("plain text");
-        let what = input::foreign(bytes).or(text).map(|what| format!("it is {what}; ")).unwrap_or_default();
+        let what = match (input::foreign(bytes), mark_remedy(bytes)) {
+            (Some(what), _) => format!("it is {what}; "),
+            (None, Some(mark)) => format!("{mark}; "),
+            _ if input::is_text(bytes) => "it is plain text; ".to_owned(),
+            _ => String::new(),
+        };
         format!(
             "{what}it is no job (JSON), and no mesh file that is known by its first bytes; name its kind with \
              --input-format"

@@ -162,8 +162,11 @@ impl<'a> Film<'a> {
         let pixels = picture::pixels(scene, values, watch)?;
         watch.check()?;
         watch.enter(Stage::Encode);
-        let pixels = if self.is_opaque { picture::without_alpha(&pixels) } else { pixels.into() };
-        self.writer.write_image_data(&pixels).map_err(failed)
+        if self.is_opaque {
+            self.writer.write_image_data(&picture::without_alpha(pixels)).map_err(failed)
+        } else {
+            self.writer.write_image_data(&pixels).map_err(failed)
+        }
     }
 
     /// Ends the picture after its last frame.

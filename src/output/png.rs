@@ -239,18 +239,19 @@ fn pixel_dims(dpi: f64) -> PixelDimensions {
 }
 
 /// Returns pixels (red, green, blue, alpha) without their alpha.
-pub(super) fn without_alpha(pixels: &[u8]) -> Kept<u8> {
+pub(super) fn without_alpha(pixels: Vec<u8>) -> Kept<u8> {
     /// Pixels that a thread copies at a time. Half of it makes tasks of few microseconds; twice of it leaves threads
     /// idle where pictures are small.
     const PIXELS_A_TASK: usize = 1 << 16;
-    let pixels = pixels.as_chunks().0;
-    let mut opaque = Kept::to_overwrite(3 * pixels.len());
-    let tasks = opaque.par_chunks_mut(3 * PIXELS_A_TASK).zip(pixels.par_chunks(PIXELS_A_TASK));
+    let chunks = pixels.as_chunks().0;
+    let mut opaque = Kept::to_overwrite(3 * chunks.len());
+    let tasks = opaque.par_chunks_mut(3 * PIXELS_A_TASK).zip(chunks.par_chunks(PIXELS_A_TASK));
     tasks.for_each(|(opaque, pixels)| {
         for (opaque, [red, green, blue, _]) in opaque.as_chunks_mut().0.iter_mut().zip(pixels) {
             *opaque = [*red, *green, *blue];
         }
     });
+    drop(pixels);
     opaque
 }
 
@@ -261,9 +262,9 @@ pub(super) fn encode(
     (is_opaque, dpi): (bool, Option<f64>),
     out: &mut dyn Write,
 ) -> Result<(), FormatError> {
-    let pixels = if is_opaque { without_alpha(&pixels) } else { pixels.into() };
     let failed = |error| FormatError::Io(io::Error::other(error));
     let mut writer = encoder(size, (is_opaque, dpi), out).write_header().map_err(failed)?;
-    writer.write_image_data(&pixels).map_err(failed)?;
+    if is_opaque { writer.write_image_data(&without_alpha(pixels)) } else { writer.write_image_data(&pixels) }
+        .map_err(failed)?;
     writer.finish().map_err(failed)
 }

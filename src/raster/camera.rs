@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::axes::{NO_BOX, axis_rows, bounding_box, farthest};
+use super::axes::axis_rows;
+use super::extents::{NO_BOX, bounding_box, farthest};
 use crate::math::functions::{cos, sin, tan};
 use crate::math::sharing::is_small;
 use crate::math::vector::{Vector, cross, dot, minus, plus, reduce, times};
@@ -167,7 +168,7 @@ fn aimed(view: &View, eye: Vector, target: Vector) -> [Vector; 3] {
 /// and backward.
 fn reach(points: &[&[Vector]], centre: Vector, [right, up, forward]: [Vector; 3], tangent: [f64; 2]) -> [f64; 6] {
     let join = |mut a: [[f64; 4]; 4], b: [[f64; 4]; 4]| {
-        a.iter_mut().flatten().zip(b.as_flattened()).for_each(|(a, b)| *a = a.max(*b));
+        a.iter_mut().flatten().zip(b.as_flattened()).for_each(|(a, b)| *a = if b > a { *b } else { *a });
         a
     };
     let (rows, tangents) = (axis_rows([right, up, forward]), [tangent[0], tangent[1], 0.0, 0.0]);

@@ -18,6 +18,7 @@ mod contact;
 mod coverage_tests;
 mod culling;
 mod difference;
+mod extents;
 mod facet_block;
 mod facets;
 mod fine;

@@ -52,7 +52,11 @@ pub(super) struct Vertex {
 }
 
 impl Plain for Vertex {
-    const UNSPECIFIED: Self = Self { x: 0, y: 0, depth: 0.0, sides: if cfg!(debug_assertions) { BEHIND } else { 0 } };
+    const UNSPECIFIED: Self = if cfg!(debug_assertions) {
+        Self { x: i32::MAX, y: i32::MAX, depth: f32::NAN, sides: u32::MAX }
+    } else {
+        Self { x: 0, y: 0, depth: 0.0, sides: 0 }
+    };
 }
 
 impl Camera {

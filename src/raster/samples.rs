@@ -101,7 +101,7 @@ impl Samples {
         self.settle(origin);
         self.waiting.push(corners, id);
         let setups = prepared(&self.waiting, origin);
-        if self.prepared(&setups, 0).is_some() {
+        if self.width_if_seen(&setups, 0).is_some() {
             self.done.pixels += setups.at(0).fill_where(id, &mut self.depth, &mut self.owner, &is_there);
         }
         self.waiting.n = 0;
@@ -110,7 +110,7 @@ impl Samples {
     /// Returns the width in pixels of triangle `i` of those that wait, if it may be seen in the tile.
     #[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
     #[inline(always)]
-    fn prepared(&mut self, setup: &BlockSetup, i: usize) -> Option<usize> {
+    fn width_if_seen(&mut self, setup: &BlockSetup, i: usize) -> Option<usize> {
         self.done.triangles += 1;
         if self.visited > 4 * TILE * TILE {
             self.farthest();
@@ -173,7 +173,7 @@ impl Samples {
 fn draw_everywhere(samples: &mut Samples, origin: [i32; 2]) {
     let setups = prepared(&samples.waiting, origin);
     for i in 0..samples.waiting.n.min(BLOCK_TRIANGLES) {
-        let Some(width) = samples.prepared(&setups, i) else { continue };
+        let Some(width) = samples.width_if_seen(&setups, i) else { continue };
         if width < CUT_PX {
             let id = samples.waiting.id[i];
             let Samples { depth, owner, places, .. } = samples;

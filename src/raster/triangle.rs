@@ -117,14 +117,14 @@ pub(super) fn area(&[a, b, c]: &[Vertex; 3]) -> i64 {
 }
 
 /// Returns the first pixel that has a sample from this place on, in steps.
-#[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+#[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
 #[inline(always)]
 pub(super) fn low_pixel(steps: i32) -> i32 {
     (steps - 7 * EIGHTH_STEPS + STEPS_A_PIXEL - 1).div_euclid(STEPS_A_PIXEL)
 }
 
 /// Returns the last pixel that has a sample up to this place, in steps.
-#[expect(clippy::inline_always, reason = "only code inside of `draw_everywhere` uses its wider vectors")]
+#[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
 #[inline(always)]
 pub(super) fn high_pixel(steps: i32) -> i32 {
     (steps - EIGHTH_STEPS).div_euclid(STEPS_A_PIXEL)

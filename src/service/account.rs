@@ -67,8 +67,8 @@ impl Account {
 }
 
 /// Returns how many bytes of a total large buffers may take between computations: by default 192 MiB, the points of
-/// eight million faces. Half of it would make results of more than four million faces need fresh pages; with twice of
-/// it, results of 16 million faces would not need any either.
+/// eight million faces, or a picture of five million triangles. Half of it would make results of more than half as many
+/// need fresh pages; with twice of it, results of twice as many would not need any either.
 pub const fn kept_buffers(total: u64) -> u64 {
     total / 64
 }

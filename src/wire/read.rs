@@ -59,7 +59,7 @@ fn refusal(error: &serde_json::Error, pointer: String, bytes: &[u8]) -> ReadErro
         let deep = text.starts_with("recursion limit");
         let remedy = match broken.as_ref().unwrap_or(error) {
             _ if deep => Some("lists and objects are nested too deep"),
-            _ if let Some(mark) = marked(bytes) => Some(mark),
+            _ if let Some(mark) = mark_remedy(bytes) => Some(mark),
             error if is_no_number(bytes, error) => Some("JSON has neither NaN nor Infinity, all numbers are finite"),
             _ => None,
         };
@@ -68,12 +68,12 @@ fn refusal(error: &serde_json::Error, pointer: String, bytes: &[u8]) -> ReadErro
     }
 }
 
-/// Returns what is to be said of bytes that begin with a byte order mark, which no JSON may.
-pub fn marked(bytes: &[u8]) -> Option<&'static str> {
+/// Returns what is to be done about bytes that begin with a byte order mark, which no JSON may; `None` without one.
+pub fn mark_remedy(bytes: &[u8]) -> Option<&'static str> {
     if bytes.starts_with(UTF_8_MARK) {
-        return Some("it begins with a byte order mark, send UTF-8 without it");
+        return Some("it begins with a byte order mark, JSON is UTF-8 without one");
     }
-    UTF_16_MARKS.iter().any(|mark| bytes.starts_with(mark)).then_some("it is UTF-16, send UTF-8")
+    UTF_16_MARKS.iter().any(|mark| bytes.starts_with(mark)).then_some("it is UTF-16, JSON is UTF-8")
 }
 
 /// Whether the text at an error is NaN or an infinity as other languages write them.

@@ -89,7 +89,9 @@ fn triangulated(mesh: &dyn MeshSource, watch: &Watch) -> Result<Kept<[u32; 3]>, 
     let parts = all.par_chunks_mut(share).enumerate();
     let fitting: Vec<bool> = parts.map_init(FaceChunk::default, cut).collect::<Result<_, Stopped>>()?;
     if fitting.contains(&false) {
-        let mut all = Vec::with_capacity(all.len());
+        let n = all.len();
+        drop(all);
+        let mut all = Vec::with_capacity(n);
         each_face(mesh, watch, |face| all.extend(triangles(face)))?;
         return Ok(all.into());
     }

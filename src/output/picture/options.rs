@@ -167,6 +167,9 @@ pub(super) const CAMERA_FIELDS: &[Parameter] = &[
 ];
 
 /// Refuses shapes whose coordinates are too large or too small for the arithmetic of a camera.
+///
+/// # Errors
+/// The refusal, or a stop of the watch.
 pub(crate) fn check_extent(scene: &Scene<'_>, watch: &Watch) -> Result<(), FormatError> {
     let mut largest = 0.0_f64;
     match scene.control.shape() {

@@ -226,8 +226,12 @@ fn messages_speak_of_flags_where_flags_were_given_and_of_pointers_where_a_job_wa
     fails(REFUSED, &render(&cube, &["--levels", "2"]), &["2 levels of what? name a --preset or a --word"]);
     fails(REFUSED, &fed(&["render", "-", "-o", "-"], b"\n"), &["standard input: it is empty; give a job (JSON)"]);
     let marked = fed(&["render", "-", "-o", "-"], b"\xef\xbb\xbf{}");
-    fails(REFUSED, &marked, &["standard input: it begins with a byte order mark, send UTF-8 without it"]);
-    fails(REFUSED, &fed(&["render", "-", "-o", "-"], b"\xff\xfe{\0}\0"), &["standard input: it is UTF-16, send UTF-8"]);
+    fails(REFUSED, &marked, &["standard input: it begins with a byte order mark, JSON is UTF-8 without one"]);
+    fails(
+        REFUSED,
+        &fed(&["render", "-", "-o", "-"], b"\xff\xfe{\0}\0"),
+        &["standard input: it is UTF-16, JSON is UTF-8"],
+    );
     let mut wrong = mesh(1);
     wrong["outputs"] = json!([{ "format": "png", "width": 3 }]);
     let output = piped(&["render", "-", "-o", "-"], &wrong);

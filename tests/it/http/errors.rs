@@ -20,8 +20,10 @@ fn text_that_is_not_json_is_400_with_line_and_column() {
             }
             server.post_text(path, &b"{\"input\": \"\xff\"}"[..], &[]).await.problem(400, "not-json");
             // as editors and shells of some systems write files
-            for (text, remedy) in [(&b"\xef\xbb\xbf{}"[..], "send UTF-8 without it"), (b"\xff\xfe{\0}\0", "send UTF-8")]
-            {
+            for (text, remedy) in [
+                (&b"\xef\xbb\xbf{}"[..], "JSON is UTF-8 without one"),
+                (b"\xff\xfe{\0}\0", "it is UTF-16, JSON is UTF-8"),
+            ] {
                 let problem = server.post_text(path, text, &[]).await.problem(400, "not-json");
                 let detail = problem["detail"].as_str().unwrap();
                 assert!(detail.ends_with(remedy), "{path}: {detail}");
