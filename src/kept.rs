@@ -34,7 +34,7 @@ impl KeptBuffers {
     const NONE: Self = Self { most: 0, used: 0, buffers: VecDeque::new() };
 
     /// Takes the smallest buffer with room for `len` values, unless more than a fifth of it would be unused.
-    fn take<T: Plain>(&mut self, len: usize) -> Option<Vec<T>> {
+    fn take<T: KeptValue>(&mut self, len: usize) -> Option<Vec<T>> {
         let fitting = |kept: &KeptBuffer| {
             let n = kept.buffer.downcast_ref::<Vec<T>>()?.len();
             (len..=len.saturating_add(len / 4)).contains(&n).then_some(n)
@@ -46,7 +46,7 @@ impl KeptBuffers {
     }
 
     /// Keeps a buffer, if it alone is not too large. Returns the buffers that give way.
-    fn keep<T: Plain>(&mut self, buffer: Vec<T>) -> Vec<KeptBuffer> {
+    fn keep<T: KeptValue>(&mut self, buffer: Vec<T>) -> Vec<KeptBuffer> {
         let bytes = bytes(&buffer);
         if bytes > self.most {
             return Vec::new();
@@ -85,34 +85,34 @@ pub fn keep_at_most(most: usize) {
 }
 
 /// A value that an array in kept memory may consist of.
-pub trait Plain: Copy + Send + 'static {
+pub trait KeptValue: Copy + Send + 'static {
     /// What stands in fresh memory that is to be overwritten: in debug builds, where it stands in all such memory, a
     /// value that no result should have, otherwise zero.
     const UNSPECIFIED: Self;
 }
 
-impl Plain for f64 {
+impl KeptValue for f64 {
     const UNSPECIFIED: Self = if cfg!(debug_assertions) { Self::NAN } else { 0.0 };
 }
 
-impl Plain for f32 {
+impl KeptValue for f32 {
     const UNSPECIFIED: Self = if cfg!(debug_assertions) { Self::NAN } else { 0.0 };
 }
 
-impl Plain for u8 {
+impl KeptValue for u8 {
     const UNSPECIFIED: Self = if cfg!(debug_assertions) { 0xa5 } else { 0 };
 }
 
-impl Plain for u32 {
+impl KeptValue for u32 {
     const UNSPECIFIED: Self = if cfg!(debug_assertions) { Self::MAX } else { 0 };
 }
 
-impl<T: Plain, const N: usize> Plain for [T; N] {
+impl<T: KeptValue, const N: usize> KeptValue for [T; N] {
     const UNSPECIFIED: Self = [T::UNSPECIFIED; N];
 }
 
 /// An array whose memory may come from an earlier array and is kept for a later one on drop.
-pub struct Kept<T: Plain> {
+pub struct Kept<T: KeptValue> {
     buffer: Vec<T>,
     len: usize,
 }
@@ -120,7 +120,7 @@ pub struct Kept<T: Plain> {
 /// An array of numbers in kept memory.
 pub type Numbers = Kept<f64>;
 
-impl<T: Plain> Kept<T> {
+impl<T: KeptValue> Kept<T> {
     /// Creates an array of `len` unspecified values, all of which the caller has to overwrite: they may be those of an
     /// earlier array.
     pub fn to_overwrite(len: usize) -> Self {
@@ -140,37 +140,37 @@ impl<T: Plain> Kept<T> {
     }
 }
 
-impl<T: Plain + fmt::Debug> fmt::Debug for Kept<T> {
+impl<T: KeptValue + fmt::Debug> fmt::Debug for Kept<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         (**self).fmt(f)
     }
 }
 
-impl<T: Plain + PartialEq> PartialEq for Kept<T> {
+impl<T: KeptValue + PartialEq> PartialEq for Kept<T> {
     fn eq(&self, other: &Self) -> bool {
         **self == **other
     }
 }
 
-impl<T: Plain> Default for Kept<T> {
+impl<T: KeptValue> Default for Kept<T> {
     fn default() -> Self {
         Vec::new().into()
     }
 }
 
-impl<T: Plain> From<Vec<T>> for Kept<T> {
+impl<T: KeptValue> From<Vec<T>> for Kept<T> {
     fn from(buffer: Vec<T>) -> Self {
         Self { len: buffer.len(), buffer }
     }
 }
 
-impl<T: Plain> Clone for Kept<T> {
+impl<T: KeptValue> Clone for Kept<T> {
     fn clone(&self) -> Self {
         self.to_vec().into()
     }
 }
 
-impl<T: Plain> Deref for Kept<T> {
+impl<T: KeptValue> Deref for Kept<T> {
     type Target = [T];
 
     fn deref(&self) -> &[T] {
@@ -178,13 +178,13 @@ impl<T: Plain> Deref for Kept<T> {
     }
 }
 
-impl<T: Plain> DerefMut for Kept<T> {
+impl<T: KeptValue> DerefMut for Kept<T> {
     fn deref_mut(&mut self) -> &mut [T] {
         &mut self.buffer[..self.len]
     }
 }
 
-impl<T: Plain> Drop for Kept<T> {
+impl<T: KeptValue> Drop for Kept<T> {
     fn drop(&mut self) {
         if self.bytes() < LEAST_KEPT_BYTES {
             return;

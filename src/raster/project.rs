@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::axes::{along, axis_rows};
 use super::camera::{Camera, Projection};
 use super::pixmap::{whole_below, whole_number};
-use crate::kept::{Kept, Plain};
+use crate::kept::{Kept, KeptValue};
 use crate::math::vector::{Vector, minus};
 
 /// Sub-pixel steps a pixel. Exact whole-number coverage needs coordinates on this lattice.
@@ -51,7 +51,7 @@ pub(super) struct Vertex {
     pub(super) sides: u32,
 }
 
-impl Plain for Vertex {
+impl KeptValue for Vertex {
     const UNSPECIFIED: Self = if cfg!(debug_assertions) {
         Self { x: i32::MAX, y: i32::MAX, depth: f32::NAN, sides: u32::MAX }
     } else {
