@@ -10,11 +10,10 @@
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-use super::axes::{along, axis_rows};
 use super::camera::{Camera, Projection};
 use super::pixmap::{whole_below, whole_number};
 use crate::kept::{Kept, KeptValue};
-use crate::math::vector::{Vector, minus};
+use crate::math::vector::Vector;
 
 /// Sub-pixel steps a pixel. Exact whole-number coverage needs coordinates on this lattice.
 /// Half of it moves vertices by up to 1/256 of a pixel; twice of it takes a bit from the range of edge functions.
@@ -118,35 +117,17 @@ pub(super) fn vertices(camera: &Camera, positions: &[Vector]) -> Kept<Vertex> {
 /// give the same bits.
 #[multiversion(targets("x86_64+avx2"))]
 fn project(camera: &Camera, positions: &[Vector], vertices: &mut [Vertex]) {
-    let axes = axis_rows([camera.right, camera.up, camera.forward]);
     for (points, vertices) in positions.chunks(BLOCK_POINTS).zip(vertices.chunks_mut(BLOCK_POINTS)) {
-        let mut along_axes = [[0.0; 4]; BLOCK_POINTS];
-        for (row, point) in along_axes.iter_mut().zip(points) {
-            *row = along(&axes, minus(*point, camera.eye));
+        let mut seen = [[0.0; BLOCK_POINTS]; 4];
+        for (i, point) in points.iter().enumerate() {
+            let of = camera.view(*point);
+            (seen[0][i], seen[1][i], seen[2][i], seen[3][i]) = (of[0], of[1], of[2], of[3]);
         }
-        let seen = seen(camera, &along_axes);
         let placed = placed(camera, &seen);
         for (i, vertex) in vertices.iter_mut().enumerate() {
             *vertex = placed.vertex(i);
         }
     }
-}
-
-/// Returns points in view coordinates (see [`Camera::view`]), number by number, from their coordinates along the axes
-/// of the camera.
-#[expect(clippy::inline_always, reason = "callers that are compiled for wider vectors need it to be, too")]
-#[inline(always)]
-fn seen(camera: &Camera, along_axes: &PointRow<[f64; 4]>) -> [PointRow<f64>; 4] {
-    let mut seen = [[0.0; BLOCK_POINTS]; 4];
-    let is_perspective = camera.projection == Projection::Perspective;
-    for i in 0..BLOCK_POINTS {
-        let [x, y, z, _] = along_axes[i];
-        seen[0][i] = camera.focal_px * x;
-        seen[1][i] = -camera.focal_px * y;
-        seen[2][i] = if is_perspective { z } else { 1.0 };
-        seen[3][i] = z;
-    }
-    seen
 }
 
 #[multiversion(targets("x86_64+avx2"))]
