@@ -11,6 +11,7 @@ use super::program::Sweep;
 use super::star::StarShape;
 use super::stencils::{Stencil, Stencils};
 use super::task::PatchRun;
+use super::upcoming::Upcoming;
 use crate::kept::Numbers;
 use crate::shape::topology::NONE;
 use crate::watch::{Stopped, Watch};
@@ -135,7 +136,7 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
         buffers.functionals.resize_with(self.masks.len(), Vec::new);
         for (mask, out) in self.masks.iter().zip(&mut buffers.functionals) {
             at_least(out, len * W);
-            mask.combine(&[&buffers.points[..len * W]; 4], &mut out[..len * W], false);
+            mask.combine(&[&buffers.points[..len * W]; 4], &mut out[..len * W], false, &mut Upcoming::default());
         }
         buffers.values.resize(len, [0.0; W]);
         let span = self.n + 3..(rows.len() + 1) * (self.n + 3);

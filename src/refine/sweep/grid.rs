@@ -6,6 +6,7 @@ use super::kernel::{FlatGroup, FlatMask, differences, sum_at};
 use super::lattice::{LATTICE_AXES, after, cell};
 use super::mask::{LineMasks, Pass};
 use super::planes::{MaskGroup, PLANES, PlaneMask};
+use super::upcoming::Upcoming;
 
 /// One pass, prepared for one size of grid.
 #[derive(Debug)]
@@ -199,8 +200,14 @@ impl Planes {
     /// and the second axis, and the face points, each at the cell whose lower left corner it belongs to.
     ///
     /// The loops run over the whole stack: sums that reach from one grid into the next lie in halos, where nobody reads
-    /// them.
-    pub(super) fn refine(&mut self, passes: &[FlatPass], size: GridSize, grids: usize, lines: &[GridLine]) {
+    /// them. Meanwhile asks for the memory that is `upcoming`.
+    pub(super) fn refine(
+        &mut self,
+        passes: &[FlatPass],
+        (size, grids): (GridSize, usize),
+        lines: &[GridLine],
+        upcoming: &mut Upcoming<'_>,
+    ) {
         let len = grids * size.len();
         self.now.iter_mut().chain(&mut self.next).for_each(|plane| at_least(plane, len));
         let pushes = passes.iter().any(|pass| pass.is == FlatUse::Push);
@@ -214,21 +221,27 @@ impl Planes {
                     let [coarse, planes @ ..] = &mut self.now;
                     let source = [&coarse[..len]; PLANES];
                     for (out, plane) in planes.iter_mut().zip(1..).filter(|&(_, plane)| pass.wanted[plane]) {
-                        pass.planes[plane].combine(&source, &mut out[..len], false);
+                        pass.planes[plane].combine(&source, &mut out[..len], false, upcoming);
                     }
                 }
-                FlatUse::Blend => self.blend(pass, size, len, lines),
-                FlatUse::Push => self.push(pass, len),
+                FlatUse::Blend => self.blend(pass, (size, len), lines, upcoming),
+                FlatUse::Push => self.push(pass, len, upcoming),
             }
         }
     }
 
-    fn blend(&mut self, pass: &FlatPass, size: GridSize, len: usize, lines: &[GridLine]) {
+    fn blend(
+        &mut self,
+        pass: &FlatPass,
+        (size, len): (GridSize, usize),
+        lines: &[GridLine],
+        upcoming: &mut Upcoming<'_>,
+    ) {
         let Self { now, next, .. } = self;
         let source = now.each_ref().map(|plane| &plane[..len]);
         let moved = |plane: usize| pass.wanted[plane] && !pass.keeps(plane);
         for plane in (0..PLANES).filter(|&plane| moved(plane)) {
-            pass.planes[plane].combine(&source, &mut next[plane][..len], false);
+            pass.planes[plane].combine(&source, &mut next[plane][..len], false, upcoming);
         }
         for line in lines {
             draw_line(pass, &source, next, size.stacked(line.grid), *line);
@@ -238,11 +251,11 @@ impl Planes {
         }
     }
 
-    fn push(&mut self, pass: &FlatPass, len: usize) {
+    fn push(&mut self, pass: &FlatPass, len: usize, upcoming: &mut Upcoming<'_>) {
         differences(&mut self.next[0][..len], &self.anchor[..len], &self.now[0][..len]);
         let source = [&self.next[0][..len]; PLANES];
         for (mask, out) in pass.planes.iter().zip(&mut self.now) {
-            mask.combine(&source, &mut out[..len], true);
+            mask.combine(&source, &mut out[..len], true, upcoming);
         }
     }
 }

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
+use super::upcoming::{SUMS, Upcoming};
 use crate::math::rows::{ascending_sum, symmetric_sum};
 
 /// One group of a mask over a grid: a weight, and the plane and offset of each member.
@@ -42,13 +43,25 @@ impl FlatMask {
     }
 
     /// Sets `out[k]` to the sum over the groups for each `k` in the range, or adds the sum if `adds` is set. The planes
-    /// may hold a stack of grids.
-    pub(super) fn combine(&self, source: &[&[f64]; 4], out: &mut [f64], adds: bool) {
+    /// may hold a stack of grids. Meanwhile asks for the memory that is `upcoming`.
+    pub(super) fn combine(&self, source: &[&[f64]; 4], out: &mut [f64], adds: bool, upcoming: &mut Upcoming<'_>) {
         let n = self.range.len() + out.len() - self.len;
-        let out = &mut out[self.range.start..self.range.start + n];
+        let (mut at, mut out) = (self.range.start, &mut out[self.range.start..self.range.start + n]);
+        while !out.is_empty() {
+            let n = if upcoming.fetch() { SUMS.min(out.len()) } else { out.len() };
+            let part;
+            (part, out) = out.split_at_mut(n);
+            self.combine_from(at, source, part, adds);
+            at += n;
+        }
+    }
+
+    /// Sets each `out[i]` to the sum over the groups at index `first + i`, or adds the sum.
+    fn combine_from(&self, first: usize, source: &[&[f64]; 4], out: &mut [f64], adds: bool) {
+        let n = out.len();
         let slice = |group: usize, member: usize| -> &[f64] {
             let (plane, distance) = self.groups[group].members[member];
-            let start = self.range.start.wrapping_add_signed(distance);
+            let start = first.wrapping_add_signed(distance);
             &source[plane as usize][start..start + n]
         };
         let w = |group: usize| self.groups[group].weight;
@@ -86,7 +99,7 @@ impl FlatMask {
                     }
                 }
             }
-            _ => any(out, &self.groups, source, self.range.start, adds),
+            _ => any(out, &self.groups, source, first, adds),
         }
     }
 }

@@ -27,6 +27,7 @@ mod stencils;
 mod surface;
 mod task;
 mod traced;
+mod upcoming;
 mod weave;
 mod window;
 

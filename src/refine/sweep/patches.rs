@@ -10,6 +10,7 @@ use super::grid::{GridLine, GridSize, Planes, at_least};
 use super::lattice::{CornerFrame, axis, cell, corner, sector};
 use super::program::{Flat, Sweep};
 use super::star::StarWork;
+use super::upcoming::Upcoming;
 use super::weave::weave;
 use crate::kept::Numbers;
 use crate::shape::tile::Tile;
@@ -232,13 +233,18 @@ impl<const W: usize> SweepRun<'_, W> {
             (0..grids).for_each(|place| self.lines((size.cells, place), block.at_place(place), &mut worker.lines));
         }
         let passes = &self.flat.of(sweep.surface.is_turned(block.patch))[round];
-        worker.planes.refine(passes, size, grids, &worker.lines);
+        let is_last = round + 1 == sweep.rounds.len();
+        let mut spans = Vec::new();
+        if is_last {
+            (0..grids).for_each(|place| target.expect(sweep, size.stacked(place), block.at_place(place), &mut spans));
+        }
+        worker.planes.refine(passes, (size, grids), &worker.lines, &mut Upcoming::new(spans));
         if !worker.is_plain {
             for place in 0..grids {
                 self.overlay_corners(round, size.stacked(place), block.at_place(place), worker);
             }
         }
-        if round + 1 == sweep.rounds.len() {
+        if is_last {
             worker.unreported += 4 * (grids * size.cells * size.cells) as u64;
             if worker.unreported >= FACES_PER_REPORT {
                 self.report(worker)?;

@@ -76,20 +76,27 @@ impl<const W: usize> BlockReceiver<W> for PatchRun<'_, W> {
         true
     }
 
+    fn expect<'a>(&'a self, sweep: &Sweep, size: GridSize, block: Block, spans: &mut Vec<&'a [f64]>) {
+        let mut span = 0..0;
+        for (_, columns, first) in rows_inside(sweep, size, block.refined()) {
+            let first = first as usize - self.starts[1];
+            if first != span.end {
+                spans.push(self.inner[span].as_flattened());
+                span = first..first;
+            }
+            span.end += columns.len();
+        }
+        spans.push(self.inner[span].as_flattened());
+    }
+
     fn take(&mut self, sweep: &Sweep, size: GridSize, block: Block, planes: &Planes) {
         let (order, surface) = (&sweep.orders[1], &sweep.surface);
         let tile = surface.tile;
         let (cells, block) = (2 * size.cells, block.refined());
         let (n, at) = (block.pieces, block.at);
-        let start = at.map(|at| at.max(1));
-        let rows = start[1]..(at[1] + cells + 1).min(n);
-        for (row, first) in rows.clone().zip(order.rows(block.patch, start, rows.len())) {
-            let end = if tile == Tile::Quad { n } else { n - row };
-            let columns = start[0]..(at[0] + cells + 1).min(end);
-            if !columns.is_empty() {
-                let row = GridRow::new(planes, size, row - at[1]);
-                row.copy(columns.start - at[0], self.inside(first, columns.len()));
-            }
+        for (row, columns, first) in rows_inside(sweep, size, block) {
+            let row = GridRow::new(planes, size, row - at[1]);
+            row.copy(columns.start - at[0], self.inside(first, columns.len()));
         }
         for (side, half_edge) in surface.patches.half_edges(block.patch).enumerate() {
             let Some(range) = block.on_side(tile, side, cells) else { continue };
@@ -123,4 +130,17 @@ impl<const W: usize> BlockReceiver<W> for PatchRun<'_, W> {
             }
         }
     }
+}
+
+/// Returns the rows of a refined block that have points inside the patch, with the columns of these and the documented
+/// index of the first; `size` is that of the block's grid before the last round.
+fn rows_inside(sweep: &Sweep, size: GridSize, block: Block) -> impl Iterator<Item = (usize, Range<usize>, u32)> {
+    let (n, at, tile) = (block.pieces, block.at, sweep.surface.tile);
+    let [start, end] = [at.map(|at| at.max(1)), at.map(|at| at + 2 * size.cells + 1)];
+    let rows = start[1]..end[1].min(n);
+    let firsts = sweep.orders[1].rows(block.patch, start, rows.len());
+    rows.zip(firsts).filter_map(move |(row, first)| {
+        let columns = start[0]..end[0].min(if tile == Tile::Quad { n } else { n - row });
+        (!columns.is_empty()).then_some((row, columns, first))
+    })
 }
