@@ -101,6 +101,10 @@ impl KeptValue for u8 {
     const UNSPECIFIED: Self = if cfg!(debug_assertions) { 0xa5 } else { 0 };
 }
 
+impl KeptValue for u16 {
+    const UNSPECIFIED: Self = if cfg!(debug_assertions) { 0xa5a5 } else { 0 };
+}
+
 impl KeptValue for u32 {
     const UNSPECIFIED: Self = if cfg!(debug_assertions) { Self::MAX } else { 0 };
 }
@@ -150,6 +154,8 @@ impl<T: KeptValue + PartialEq> PartialEq for Kept<T> {
     }
 }
 
+impl<T: KeptValue + Eq> Eq for Kept<T> {}
+
 impl<T: KeptValue> Default for Kept<T> {
     fn default() -> Self {
         Vec::new().into()
@@ -159,6 +165,12 @@ impl<T: KeptValue> Default for Kept<T> {
 impl<T: KeptValue> From<Vec<T>> for Kept<T> {
     fn from(buffer: Vec<T>) -> Self {
         Self { len: buffer.len(), buffer }
+    }
+}
+
+impl<T: KeptValue> FromIterator<T> for Kept<T> {
+    fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
+        Vec::from_iter(values).into()
     }
 }
 

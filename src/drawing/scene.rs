@@ -1,6 +1,7 @@
 //! The contents of a drawing.
 
 use super::label::Label;
+use crate::kept::Kept;
 
 /// A point of the drawing, in pixels, y downwards.
 pub type Point = [f32; 2];
@@ -151,7 +152,7 @@ pub struct Picture {
     /// Number of columns and rows of the image.
     pub size: [u32; 2],
     /// Rows of red, green, blue and alpha (straight), from the top: `4 * columns * rows` bytes.
-    pub pixels: Vec<u8>,
+    pub pixels: Kept<u8>,
     /// Upper left corner of the rectangle.
     pub at: Point,
     /// Width and height of the rectangle, in pixels of the drawing.

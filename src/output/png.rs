@@ -202,7 +202,7 @@ pub(super) fn bytes(size: [u32; 2]) -> Size {
 }
 
 /// Renders a scene. Returns the rows of pixels from the top, with red, green, blue and straight alpha.
-pub(super) fn pixels(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<Vec<u8>, FormatError> {
+pub(super) fn pixels(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Result<Kept<u8>, FormatError> {
     let options = Options::new(values, scene.coordinate_system);
     watch.enter(Stage::Render);
     options::check_extent(scene, watch)?;
@@ -211,7 +211,7 @@ pub(super) fn pixels(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Resul
         Shape::Curves(curves) => {
             let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
             options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
-            Ok(drawing::pixels(&picture::drawing::drawing(scene, &options, watch)?, watch)?)
+            Ok(drawing::pixels(&picture::drawing::drawing(scene, &options, watch)?, watch)?.into())
         }
     }
 }
@@ -239,7 +239,7 @@ fn pixel_dims(dpi: f64) -> PixelDimensions {
 }
 
 /// Returns pixels (red, green, blue, alpha) without their alpha.
-pub(super) fn without_alpha(pixels: Vec<u8>) -> Kept<u8> {
+pub(super) fn without_alpha(pixels: Kept<u8>) -> Kept<u8> {
     /// Pixels that a thread copies at a time. Half of it makes tasks of few microseconds; twice of it leaves threads
     /// idle where pictures are small.
     const PIXELS_A_TASK: usize = 1 << 16;
@@ -257,7 +257,7 @@ pub(super) fn without_alpha(pixels: Vec<u8>) -> Kept<u8> {
 
 /// Writes pixels (red, green, blue, alpha), without the alpha if all are opaque.
 pub(super) fn encode(
-    pixels: Vec<u8>,
+    pixels: Kept<u8>,
     size: [u32; 2],
     (is_opaque, dpi): (bool, Option<f64>),
     out: &mut dyn Write,

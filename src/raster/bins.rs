@@ -82,7 +82,7 @@ impl TileGrid {
         Self { columns: tiles(width), rows: tiles(height) }
     }
 
-    fn len(self) -> usize {
+    pub(super) fn len(self) -> usize {
         usize::from(self.columns) * usize::from(self.rows)
     }
 }

@@ -1,13 +1,14 @@
 //! When a model has a shadow, and what hollows look like.
 
 use super::*;
+use crate::kept::Kept;
 use crate::watch::Watch;
 
 const GROUNDED_STYLE: RenderStyle =
     RenderStyle { background: [255; 4], is_fine: true, is_occluded: true, shadow: Ground::Stood };
 const PICTURE_SIZE: [u32; 2] = [160, 120];
 
-fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], look: RenderStyle) -> Vec<u8> {
+fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], look: RenderStyle) -> Kept<u8> {
     let surface = TriangleAppearance::Lit([120, 160, 220, 255]);
     let model = Model { positions, triangles, normals: ShadingNormals::Planes, surface, strokes: &[] };
     let camera = Camera::framing(view, &[positions], PICTURE_SIZE[0], PICTURE_SIZE[1]);
@@ -18,7 +19,7 @@ fn picture(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], look: Re
 fn has_shadow(view: &View, positions: &[[f64; 3]], triangles: &[[u32; 3]], shadow: Ground) -> bool {
     let without = picture(view, positions, triangles, RenderStyle { shadow: Ground::None, ..GROUNDED_STYLE });
     let with = picture(view, positions, triangles, RenderStyle { shadow, ..GROUNDED_STYLE });
-    with.iter().zip(&without).any(|(with, without)| without.saturating_sub(*with) > 10)
+    with.iter().zip(without.iter()).any(|(with, without)| without.saturating_sub(*with) > 10)
 }
 
 /// A box with these opposite corners.

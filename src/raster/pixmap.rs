@@ -2,6 +2,7 @@
 
 use std::sync::LazyLock;
 
+use crate::kept::Kept;
 use crate::math::functions::pow;
 
 /// A picture: rows from the top, four bytes per pixel (red, green, blue, alpha; sRGB, straight alpha).
@@ -12,7 +13,7 @@ pub struct Pixmap {
     /// Number of rows.
     pub height: u32,
     /// `width x height x 4` bytes.
-    pub bytes: Vec<u8>,
+    pub bytes: Kept<u8>,
 }
 
 /// Returns the linear light of an sRGB byte, 0 to 1. Source: IEC 61966-2-1 (1999).

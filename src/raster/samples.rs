@@ -141,9 +141,11 @@ impl Samples {
     }
 
     /// Returns the largest depth in each pixel, 0 if no sample is covered.
-    pub(super) fn nearest(&self) -> Vec<f32> {
+    pub(super) fn nearest(&self, depths: &mut [f32]) {
         let larger = |a: f32, b: f32| if a > b { a } else { b };
-        self.depth.iter().map(|d| larger(larger(d[0], d[1]), larger(d[2], d[3]))).collect()
+        for (nearest, d) in depths.iter_mut().zip(&self.depth) {
+            *nearest = larger(larger(d[0], d[1]), larger(d[2], d[3]));
+        }
     }
 
     /// Returns whether every sample of some pixels (left, top, right, bottom, bounds included) is nearer than

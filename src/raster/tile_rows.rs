@@ -42,7 +42,7 @@ impl TileWriter {
     /// Writes the pixels of one row of a tile; the first is at `[left, y]` in the picture.
     pub(super) fn write(
         &self,
-        tile: Option<&Drawn>,
+        tile: Option<&Drawn<'_>>,
         shadow: Option<&ShadowRow<'_>>,
         [left, y]: [usize; 2],
         part: &mut [u8],
@@ -50,7 +50,7 @@ impl TileWriter {
         let pixels = part.as_chunks_mut::<4>().0;
         let first = y % TILE * TILE;
         let row = |list: &[[u16; 4]]| list.get(first..).and_then(<[_]>::first_chunk).map(unpacked);
-        let surface = tile.and_then(|tile| row(&tile.surface));
+        let surface = tile.and_then(|tile| row(tile.surface));
         let is_open = surface.is_none_or(|surface| surface[3].iter().any(|share| *share < 1.0));
         let dark = shadow.filter(|_| is_open).and_then(|shadow| shadow.dark(left));
         if tile.is_none() && dark.is_none() {

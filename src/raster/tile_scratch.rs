@@ -16,7 +16,7 @@ use super::veil::Veil;
 use crate::watch::{Stopped, Watch};
 
 /// Number of pixels of a tile.
-const TILE_PIXELS: usize = TILE * TILE;
+pub(super) const TILE_PIXELS: usize = TILE * TILE;
 
 /// The scratch memory of one thread.
 pub(super) struct TileScratch {
@@ -35,14 +35,17 @@ struct Glass {
     lighter: Lighter,
 }
 
+/// The memory for the surface in a tile: light and depth of each pixel, see [`Drawn`].
+pub(super) type SurfaceMemory<'a> = (&'a mut [[u16; 4]], &'a mut [f32]);
+
 /// A drawn tile that something touches.
 #[derive(Debug)]
-pub(super) struct Drawn {
+pub(super) struct Drawn<'a> {
     /// Linear light of the surface in each pixel from 0 to 65,535, premultiplied by the covered fraction of the pixel,
     /// which is the last component; empty if there is no surface.
-    pub(super) surface: Vec<[u16; 4]>,
+    pub(super) surface: &'a [[u16; 4]],
     /// The largest depth in each pixel, 0 if no sample is covered; empty if there is no surface.
-    pub(super) depth: Vec<f32>,
+    pub(super) depth: &'a [f32],
     /// Linear light of the lines on top, like `surface`.
     pub(super) over: Vec<[u16; 4]>,
 }
@@ -60,14 +63,15 @@ impl TileScratch {
         }
     }
 
-    /// Draws one tile; returns `None` if nothing touches it. If `is_fine`, edges are refined.
-    pub(super) fn draw(
+    /// Draws one tile; `memory` is for its surface, if that is visible. Returns `None` if nothing touches it. If
+    /// `is_fine`, edges are refined.
+    pub(super) fn draw<'a>(
         &mut self,
         model: &BinnedModel<'_>,
         (tile, origin): (usize, [i32; 2]),
-        is_fine: bool,
-        watch: &Watch,
-    ) -> Result<Option<Drawn>, Stopped> {
+        memory: Option<SurfaceMemory<'a>>,
+        (is_fine, watch): (bool, &Watch),
+    ) -> Result<Option<Drawn<'a>>, Stopped> {
         let surface = model.touches(tile);
         let lined = model.layers.iter().any(|layer| layer.tile(tile).next().is_some());
         if !surface && !lined {
@@ -100,22 +104,24 @@ impl TileScratch {
             self.samples.settle(origin);
         }
         watch.advance(forecast::rows(self.samples.done()));
-        let mut drawn = Drawn { surface: Vec::new(), depth: Vec::new(), over: Vec::new() };
-        if let Some(lamps) = model.lamps.as_ref().filter(|_| surface) {
+        let mut drawn = Drawn { surface: &[], depth: &[], over: Vec::new() };
+        if let (Some(lamps), Some((light, depth))) = (model.lamps.as_ref().filter(|_| surface), memory) {
             self.lighter.illuminate(&LitTile::new(model, lamps, origin, false), &self.samples.owner);
             if is_fine && !self.lighter.marks.is_empty() {
                 self.look_closely(model, lamps, (tile, origin), watch)?;
             }
             self.glaze(model, lamps, (tile, origin), watch)?;
-            drawn.surface = packed(&self.lighter.light);
-            drawn.depth = self.samples.nearest();
+            pack(&self.lighter.light, light);
+            self.samples.nearest(depth);
+            (drawn.surface, drawn.depth) = (light, depth);
         }
         if lined {
             self.over.fill([0.0; 4]);
             for layer in &model.layers {
                 self.stroke(model, layer, tile, origin, watch)?;
             }
-            drawn.over = packed(&self.over);
+            drawn.over = vec![[0; 4]; TILE_PIXELS];
+            pack(&self.over, &mut drawn.over);
         }
         Ok(Some(drawn))
     }
@@ -241,11 +247,4 @@ fn pack(light: &[[f32; 4]], packed: &mut [[u16; 4]]) {
             packed[k] = (two.to_bits() >> 7 & 0xffff) as u16;
         }
     }
-}
-
-/// Returns light as 16-bit integers.
-fn packed(light: &[[f32; 4]]) -> Vec<[u16; 4]> {
-    let mut packed = vec![[0; 4]; light.len()];
-    pack(light, &mut packed);
-    packed
 }

@@ -1,5 +1,7 @@
 //! The loop over tiles: draw, ground, encode.
 
+use std::iter;
+
 use rayon::prelude::*;
 
 use super::binned_model::BinnedModel;
@@ -10,7 +12,8 @@ use super::model::Model;
 use super::occlusion::Occlusion;
 use super::pixmap::{Pixmap, premultiplied};
 use super::tile_rows::TileWriter;
-use super::tile_scratch::{Drawn, TileScratch};
+use super::tile_scratch::{Drawn, TILE_PIXELS, TileScratch};
+use crate::kept::Kept;
 use crate::watch::{Stopped, Watch};
 
 /// Maximum width and height of a picture in pixels. With the guard band, edge functions stay integers below 2^31; twice
@@ -48,12 +51,15 @@ pub fn render(
     let (width, height) = (width.clamp(1, MAX_SIDE_PX), height.clamp(1, MAX_SIDE_PX));
     let grid = TileGrid::of(width, height);
     let shadow = Shadow::of(model, camera, look.shadow, watch)?;
-    let tiles = drawn(&BinnedModel::new(model, camera, grid, watch)?, look.is_fine, watch)?;
+    let binned = BinnedModel::new(model, camera, grid, watch)?;
+    let mut memory = TileMemory::new(&binned);
+    let tiles = memory.drawn(&binned, look.is_fine, watch)?;
+    drop(binned);
     let occlusion = if look.is_occluded { Some(Occlusion::of(&tiles, grid, camera, watch)?) } else { None };
     let background = look.background;
     let writer = TileWriter { background, paper: premultiplied(background), occlusion, shadow };
     let (columns, n_rows) = (width as usize, height as usize);
-    let mut bytes = vec![0; columns * n_rows * 4];
+    let mut bytes = Kept::to_overwrite(columns * n_rows * 4);
     bytes.par_chunks_mut(columns * 4).enumerate().try_for_each(|(y, line)| {
         watch.check()?;
         let row = &tiles[y / TILE * usize::from(grid.columns)..];
@@ -66,15 +72,34 @@ pub fn render(
     Ok(Pixmap { width, height, bytes })
 }
 
-/// Draws all tiles, row by row.
-fn drawn(model: &BinnedModel<'_>, is_fine: bool, watch: &Watch) -> Result<Vec<Option<Drawn>>, Stopped> {
-    let TileGrid { columns, rows } = model.grid;
-    let tiles = (0..usize::from(columns) * usize::from(rows)).into_par_iter();
-    let draw = |scratch: &mut TileScratch, tile: usize| {
-        watch.check()?;
-        let place = [tile % usize::from(columns), tile / usize::from(columns)];
-        let origin = place.map(|i| i32::try_from(i * TILE).expect("pictures are bounded"));
-        scratch.draw(model, (tile, origin), is_fine, watch)
-    };
-    tiles.map_init(|| TileScratch::new(model), draw).collect()
+/// The memory for the surface in all tiles, one after the other; none if the surface is not visible.
+struct TileMemory {
+    light: Kept<[u16; 4]>,
+    depth: Kept<f32>,
+}
+
+impl TileMemory {
+    fn new(model: &BinnedModel<'_>) -> Self {
+        let n_pixels = if model.lamps.is_some() { model.grid.len() * TILE_PIXELS } else { 0 };
+        Self { light: Kept::to_overwrite(n_pixels), depth: Kept::to_overwrite(n_pixels) }
+    }
+
+    /// Draws all tiles, row by row.
+    fn drawn(
+        &mut self,
+        model: &BinnedModel<'_>,
+        is_fine: bool,
+        watch: &Watch,
+    ) -> Result<Vec<Option<Drawn<'_>>>, Stopped> {
+        let columns = usize::from(model.grid.columns);
+        let surfaces = self.light.chunks_mut(TILE_PIXELS).zip(self.depth.chunks_mut(TILE_PIXELS)).map(Some);
+        let tiles: Vec<_> = surfaces.chain(iter::repeat_with(|| None)).take(model.grid.len()).enumerate().collect();
+        let draw = |scratch: &mut TileScratch, (tile, memory)| {
+            watch.check()?;
+            let place: [usize; 2] = [tile % columns, tile / columns];
+            let origin = place.map(|i| i32::try_from(i * TILE).expect("pictures are bounded"));
+            scratch.draw(model, (tile, origin), memory, (is_fine, watch))
+        };
+        tiles.into_par_iter().map_init(|| TileScratch::new(model), draw).collect()
+    }
 }

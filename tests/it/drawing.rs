@@ -161,7 +161,7 @@ fn groups_move_scale_and_cut_what_they_hold() {
 #[test]
 fn pixels_of_a_picture_that_fall_on_pixels_stay_as_they_are() {
     let pixels: Vec<u8> = (0..64).map(|i| if i % 4 == 3 { 255 } else { 4 * i }).collect();
-    let picture = Picture { size: [4, 4], pixels: pixels.clone(), at: [3.0, 2.0], extent: [4.0, 4.0] };
+    let picture = Picture { size: [4, 4], pixels: pixels.clone().into(), at: [3.0, 2.0], extent: [4.0, 4.0] };
     let items = vec![DrawingItem::new("", Mark::Picture(picture))];
     let drawing = Drawing { size: [10, 10], background: [255; 4], title: String::new(), items };
     for i in 0..16 {

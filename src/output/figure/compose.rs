@@ -5,6 +5,7 @@ use std::io::Write;
 use super::grid::{PanelRect, Sheet};
 use crate::drawing::{self, Drawing, DrawingItem, FontWeight, Label, Mark, pdf, svg};
 use crate::fault::Fault;
+use crate::kept::Kept;
 use crate::math::parameter::Values;
 use crate::output::error::FormatError;
 use crate::output::format::Paper;
@@ -28,7 +29,7 @@ const FIGURE_OPTIONS: [&str; 4] = ["width", "background", "dpi", "text"];
 #[derive(Debug)]
 pub enum PanelPicture {
     /// Rows of pixels from the top, with red, green, blue and straight alpha.
-    Pixels(Vec<u8>),
+    Pixels(Kept<u8>),
     /// Lines.
     Lines(Drawing),
 }
@@ -102,7 +103,7 @@ pub fn write(
             watch.check()?;
             watch.enter(Stage::Encode);
             let is_opaque = pixels.chunks_exact(4).all(|pixel| pixel[3] == 255);
-            png::encode(pixels, sheet.size, (is_opaque, options.number("dpi")), out)
+            png::encode(pixels.into(), sheet.size, (is_opaque, options.number("dpi")), out)
         }
         Paper::Svg => Ok(svg(&drawing, vector::lettering(options), out, watch)?),
         Paper::Pdf => Ok(pdf(&drawing, vector::lettering(options), out, watch)?),

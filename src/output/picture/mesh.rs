@@ -25,7 +25,7 @@ pub(crate) fn picture(
     mesh: &dyn MeshSource,
     options: &Options<'_>,
     watch: &Watch,
-) -> Result<Vec<u8>, FormatError> {
+) -> Result<Kept<u8>, FormatError> {
     let shows = |item| shading::shows(options, item);
     let body = lines::shows_body(options);
     let drawn = shows("surface") && shading::is_drawing(options.values);
@@ -62,7 +62,8 @@ pub(crate) fn picture(
     if strip == 0 {
         return Ok(pixels);
     }
-    legend::beside(&pixels, look.as_ref().and_then(SurfaceLook::scale), strip, mesh.attachments(), options, watch)
+    let scale = look.as_ref().and_then(SurfaceLook::scale);
+    Ok(legend::beside(&pixels, scale, strip, mesh.attachments(), options, watch)?.into())
 }
 
 /// Number of faces that a thread cuts into triangles at a time. Half of it queries the mesh twice as often; twice of it
