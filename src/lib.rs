@@ -1,10 +1,9 @@
 //! planish refines control polygons and control meshes by subdivision, analyses the schemes, and draws the results.
 //!
-//! The modules form layers, separated by blank lines: each imports only from layers above it in this list. Four
-//! modules may be used by all others: `ahead`, `fault`, `kept` and `watch`. One import crosses within a layer: `cli`
-//! uses `http`, to start the service.
+//! The modules form layers, separated by blank lines: each imports only from layers above it in this list. Three
+//! modules may be used by all others: `fault`, `kept` and `watch`. One import crosses within a layer: `cli` uses
+//! `http`, to start the service.
 
-mod ahead;
 pub mod fault;
 pub mod kept;
 pub mod watch;

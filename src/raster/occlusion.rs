@@ -18,8 +18,7 @@ use super::bins::{TILE, TileGrid};
 use super::camera::{Camera, Projection};
 use super::pixmap::rounded_down;
 use super::shade::{Vec3f, dot, positive};
-use super::tile_scratch::Drawn;
-use crate::kept::Kept;
+use super::tile_scratch::DrawnTiles;
 use crate::math::functions::{cos, sin};
 use crate::watch::{Stopped, Watch};
 
@@ -76,9 +75,9 @@ pub(super) struct Occlusion {
     size: [usize; 2],
     /// Distance along the view in radii of the model; infinite where there is nothing, and
     /// once more after the last cell, for places outside.
-    distance: Kept<f32>,
+    distance: Vec<f32>,
     /// The remaining fraction of the light.
-    open: Kept<f32>,
+    open: Vec<f32>,
 }
 
 /// Converts depths to positions, in radii of the model.
@@ -139,12 +138,7 @@ impl Lens {
 
 impl Occlusion {
     /// Computes the occlusion of a picture whose tiles are drawn.
-    pub(super) fn of(
-        tiles: &[Option<Drawn<'_>>],
-        grid: TileGrid,
-        camera: &Camera,
-        watch: &Watch,
-    ) -> Result<Self, Stopped> {
+    pub(super) fn of(tiles: &DrawnTiles<'_>, grid: TileGrid, camera: &Camera, watch: &Watch) -> Result<Self, Stopped> {
         let [width, height] = camera.size_px.map(|side| side as usize);
         let mut cell_px = 1;
         while width.max(height).div_ceil(cell_px) > MAX_HOLLOW_CELLS {
@@ -153,8 +147,7 @@ impl Occlusion {
         let lens = Lens::of(camera);
         let size = [width.div_ceil(cell_px), height.div_ceil(cell_px)];
         let cells_a_px = 1.0 / cell_px as f32;
-        let (distance, open) = (Kept::default(), Kept::default());
-        let mut occlusion = Self { lens, cell_px, cells_a_px, size, distance, open };
+        let mut occlusion = Self { lens, cell_px, cells_a_px, size, distance: Vec::new(), open: Vec::new() };
         occlusion.distance = occlusion.by_row(watch, |row, distance| {
             let y = row * cell_px + cell_px / 2;
             let tiles = &tiles[y / TILE * usize::from(grid.columns)..];
@@ -165,6 +158,7 @@ impl Occlusion {
                 *distance = lens.distance(depth.copied().unwrap_or(0.0));
             }
         })?;
+        occlusion.distance.push(f32::INFINITY);
         let circles = &*CIRCLES;
         occlusion.open = occlusion.by_row(watch, |y, open| {
             open.iter_mut().enumerate().for_each(|(x, open)| *open = occlusion.found(circles, x, y));
@@ -173,12 +167,12 @@ impl Occlusion {
         Ok(occlusion)
     }
 
-    /// Computes a number for each cell, given a function that fills a row, and adds one that is infinite.
-    fn by_row(&self, watch: &Watch, fill: impl Fn(usize, &mut [f32]) + Sync) -> Result<Kept<f32>, Stopped> {
+    /// Computes a number for each cell, given a function that fills a row.
+    fn by_row(&self, watch: &Watch, fill: impl Fn(usize, &mut [f32]) + Sync) -> Result<Vec<f32>, Stopped> {
         let [columns, rows] = self.size;
-        let mut all = Kept::to_overwrite(columns * rows + 1);
-        all[columns * rows] = f32::INFINITY;
-        all[..columns * rows].par_chunks_mut(columns).enumerate().try_for_each(|(y, row)| {
+        let mut all = Vec::with_capacity(columns * rows + 1);
+        all.resize(columns * rows, 1.0);
+        all.par_chunks_mut(columns).enumerate().try_for_each(|(y, row)| {
             watch.check()?;
             fill(y, row);
             Ok(())
@@ -386,11 +380,11 @@ mod tests {
         for size @ [columns, rows] in [[1, 1], [1, 5], [2, 2], [2, 7], [3, 1], [9, 6]] {
             let random = |i: usize| (i as u32).wrapping_mul(2_654_435_761) as f32 / (1_u64 << 32) as f32;
             let distances = (1..=columns * rows).map(random).map(|x| if x < 0.2 { f32::INFINITY } else { x });
-            let distance = distances.chain([f32::INFINITY]).collect();
+            let distance: Vec<f32> = distances.chain([f32::INFINITY]).collect();
             let (lens, open) = (Lens::of(&camera), (100..100 + columns * rows).map(random).collect());
             let occlusion = Occlusion { lens, cell_px: 1, cells_a_px: 1.0, size, distance, open };
             let found = occlusion.by_row(&Watch::new(), |y, open| occlusion.smooth(y, open)).expect("nobody stops it");
-            for (i, found) in found[..columns * rows].iter().enumerate() {
+            for (i, found) in found.into_iter().enumerate() {
                 let [x, y] = [i % columns, i / columns].map(usize::cast_signed);
                 let here = occlusion.distance(x, y);
                 let around = (-2..2).flat_map(|down| (-2..2).map(move |right| (x + right, y + down)));

@@ -50,6 +50,9 @@ pub(super) struct Drawn<'a> {
     pub(super) over: Vec<[u16; 4]>,
 }
 
+/// The tiles of a picture, row by row; `None` where nothing is drawn.
+pub(super) type DrawnTiles<'a> = [Option<Drawn<'a>>];
+
 impl TileScratch {
     pub(super) fn new(model: &BinnedModel<'_>) -> Self {
         let has_clear = model.paint.is_some_and(|paint| paint.has_clear());
