@@ -12,6 +12,7 @@ use super::error::DrawError;
 use super::scene::{
     Cap, Color, Discs, Drawing, DrawingItem, Group, Mark, Picture, Point, PolylinePoints, Stroke, Text,
 };
+use crate::kept::Kept;
 use crate::watch::Watch;
 
 /// Number of discs painted between two checks of the watch. A check takes far less time than a disc, so that half of it
@@ -22,14 +23,17 @@ const DISCS_PER_BATCH: usize = 256;
 ///
 /// # Errors
 /// When the watch says stop, or there is no room for the pixels.
-pub fn pixels(drawing: &Drawing, watch: &Watch) -> Result<Vec<u8>, DrawError> {
+pub fn pixels(drawing: &Drawing, watch: &Watch) -> Result<Kept<u8>, DrawError> {
     let [width, height] = drawing.size;
     let mut pixmap = Pixmap::new(width, height)
         .ok_or_else(|| DrawError::Unfit(format!("a picture of {width} x {height} pixels cannot be made")))?;
     pixmap.fill(ink(drawing.background));
     let mut canvas = Canvas { pixmap, watch };
     canvas.items(&drawing.items, GroupView { transform: Transform::identity(), mask: None })?;
-    Ok(canvas.pixmap.take_demultiplied())
+    let straight = canvas.pixmap.take_demultiplied();
+    let mut pixels = Kept::to_overwrite(straight.len());
+    pixels.copy_from_slice(&straight);
+    Ok(pixels)
 }
 
 /// The canvas that is painted.

@@ -211,7 +211,7 @@ pub(super) fn pixels(scene: &Scene<'_>, values: &Values, watch: &Watch) -> Resul
         Shape::Curves(curves) => {
             let dimension = curves.iter().map(|c| c.dimension).max().unwrap_or(1);
             options::drawable(ShapeKind::Curves { dimension }).map_err(FormatError::Unfit)?;
-            Ok(drawing::pixels(&picture::drawing::drawing(scene, &options, watch)?, watch)?.into())
+            Ok(drawing::pixels(&picture::drawing::drawing(scene, &options, watch)?, watch)?)
         }
     }
 }

@@ -140,7 +140,7 @@ impl Samples {
         self.farthest
     }
 
-    /// Returns the largest depth in each pixel, 0 if no sample is covered.
+    /// Sets `depths` to the largest depth in each pixel, 0 if no sample is covered.
     pub(super) fn nearest(&self, depths: &mut [f32]) {
         let larger = |a: f32, b: f32| if a > b { a } else { b };
         for (nearest, d) in depths.iter_mut().zip(&self.depth) {

@@ -119,14 +119,25 @@ impl TileScratch {
             (drawn.surface, drawn.depth) = (light, depth);
         }
         if lined {
-            self.over.fill([0.0; 4]);
-            for layer in &model.layers {
-                self.stroke(model, layer, tile, origin, watch)?;
-            }
-            drawn.over = vec![[0; 4]; TILE_PIXELS];
-            pack(&self.over, &mut drawn.over);
+            drawn.over = self.strokes(model, (tile, origin), watch)?;
         }
         Ok(Some(drawn))
+    }
+
+    /// Draws all layers of lines.
+    fn strokes(
+        &mut self,
+        model: &BinnedModel<'_>,
+        (tile, origin): (usize, [i32; 2]),
+        watch: &Watch,
+    ) -> Result<Vec<[u16; 4]>, Stopped> {
+        self.over.fill([0.0; 4]);
+        for layer in &model.layers {
+            self.stroke(model, layer, tile, origin, watch)?;
+        }
+        let mut over = vec![[0; 4]; TILE_PIXELS];
+        pack(&self.over, &mut over);
+        Ok(over)
     }
 
     /// Draws the pixels with visible edges once more, with more samples.

@@ -103,7 +103,7 @@ pub fn write(
             watch.check()?;
             watch.enter(Stage::Encode);
             let is_opaque = pixels.chunks_exact(4).all(|pixel| pixel[3] == 255);
-            png::encode(pixels.into(), sheet.size, (is_opaque, options.number("dpi")), out)
+            png::encode(pixels, sheet.size, (is_opaque, options.number("dpi")), out)
         }
         Paper::Svg => Ok(svg(&drawing, vector::lettering(options), out, watch)?),
         Paper::Pdf => Ok(pdf(&drawing, vector::lettering(options), out, watch)?),

@@ -8,6 +8,7 @@ use super::number_scale::{COLOR_BAR, NumberScale};
 use super::options::Options;
 use super::shading::{self, ShadedQuantity};
 use crate::drawing::{Color, Drawing, DrawingItem, FontWeight, Label, Legend, color_bar, pixels};
+use crate::kept::Kept;
 use crate::math::parameter::Value;
 use crate::output::error::FormatError;
 use crate::shape::attachments::Attachments;
@@ -70,7 +71,7 @@ pub(super) fn beside(
     carried: &Attachments,
     options: &Options<'_>,
     watch: &Watch,
-) -> Result<Vec<u8>, FormatError> {
+) -> Result<Kept<u8>, FormatError> {
     let (mut items, mut top) = (Vec::new(), 0.0);
     if let Some(names) = names(carried, options) {
         let margin = NAME_MARGIN * font_px(options);
@@ -83,10 +84,11 @@ pub(super) fn beside(
     let size = [width, options.size[1]];
     let strip = pixels(&Drawing { size, background: options.background, title: String::new(), items }, watch)?;
     let [left, right] = [options.size[0] - width, width].map(|width| 4 * width as usize);
-    let mut all = Vec::with_capacity(shown.len() + strip.len());
-    for (shown, strip) in shown.chunks_exact(left).zip(strip.chunks_exact(right)) {
-        all.extend_from_slice(shown);
-        all.extend_from_slice(strip);
+    let mut all = Kept::to_overwrite(shown.len() + strip.len());
+    let parts = shown.chunks_exact(left).zip(strip.chunks_exact(right));
+    for (row, (shown, strip)) in all.chunks_exact_mut(left + right).zip(parts) {
+        row[..left].copy_from_slice(shown);
+        row[left..].copy_from_slice(strip);
     }
     Ok(all)
 }

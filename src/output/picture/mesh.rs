@@ -63,7 +63,7 @@ pub(crate) fn picture(
         return Ok(pixels);
     }
     let scale = look.as_ref().and_then(SurfaceLook::scale);
-    Ok(legend::beside(&pixels, scale, strip, mesh.attachments(), options, watch)?.into())
+    legend::beside(&pixels, scale, strip, mesh.attachments(), options, watch)
 }
 
 /// Number of faces that a thread cuts into triangles at a time. Half of it queries the mesh twice as often; twice of it

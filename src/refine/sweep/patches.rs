@@ -234,11 +234,8 @@ impl<const W: usize> SweepRun<'_, W> {
         }
         let passes = &self.flat.of(sweep.surface.is_turned(block.patch))[round];
         let is_last = round + 1 == sweep.rounds.len();
-        let mut spans = Vec::new();
-        if is_last {
-            (0..grids).for_each(|place| target.expect(sweep, size.stacked(place), block.at_place(place), &mut spans));
-        }
-        worker.planes.refine(passes, (size, grids), &worker.lines, &mut Upcoming::new(spans));
+        let mut upcoming = if is_last { self.upcoming(size, (block, grids), target) } else { Upcoming::default() };
+        worker.planes.refine(passes, (size, grids), &worker.lines, &mut upcoming);
         if !worker.is_plain {
             for place in 0..grids {
                 self.overlay_corners(round, size.stacked(place), block.at_place(place), worker);
@@ -273,6 +270,21 @@ impl<const W: usize> SweepRun<'_, W> {
         }
         worker.woven[round] = woven;
         Ok(())
+    }
+
+    /// Returns the memory where the points of blocks will be written, if the processor can be asked for it.
+    fn upcoming<'t>(
+        &self,
+        size: GridSize,
+        (block, grids): (Block, usize),
+        target: &'t impl BlockReceiver<W>,
+    ) -> Upcoming<'t> {
+        let mut spans = Vec::new();
+        if Upcoming::IS_FETCHED {
+            (0..grids)
+                .for_each(|place| target.expect(self.sweep, size.stacked(place), block.at_place(place), &mut spans));
+        }
+        Upcoming::new(spans)
     }
 
     /// Refines a block further, whose grid was refined in `round`: whole, or part by part if it has become too large.

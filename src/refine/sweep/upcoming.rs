@@ -1,7 +1,7 @@
 //! The memory of results, which is fetched into the cache while the points that will be written there are computed.
 //!
-//! A core can wait for few lines of memory at a time, and stores that miss the cache take as long as all sums of a
-//! large result. Asked for in small portions between sums, the lines arrive in time.
+//! A core can wait for few lines of memory at a time, and stores that miss the cache take nearly as long as all sums
+//! of a large result. Asked for in small portions between sums, the lines arrive in time.
 
 use std::vec::IntoIter;
 
@@ -25,6 +25,9 @@ pub(super) struct Upcoming<'a> {
 }
 
 impl<'a> Upcoming<'a> {
+    /// Whether processors of this kind can be asked for memory.
+    pub(super) const IS_FETCHED: bool = cfg!(target_arch = "x86_64");
+
     pub(super) fn new(spans: Vec<&'a [f64]>) -> Self {
         Self { now: &[], later: spans.into_iter() }
     }
@@ -45,8 +48,9 @@ impl<'a> Upcoming<'a> {
     }
 }
 
-/// Asks for the line of memory of a value that will be overwritten, beyond the processor's first cache: a line that is
-/// fetched into the first one occupies one of its few slots until it arrives, and loads wait for a slot, too.
+/// Asks for the line of memory of a value that will be overwritten, to be fetched no nearer than the second cache: a
+/// line that is fetched into the first one occupies one of its few slots until it arrives, and loads wait for a slot,
+/// too.
 ///
 /// Nothing but the time of a later access changes. Does nothing where the processor cannot be asked.
 fn fetch<T>(value: &T) {
