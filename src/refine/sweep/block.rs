@@ -59,8 +59,8 @@ pub(super) trait BlockReceiver<const W: usize> {
     /// Returns whether any point of a block with `cells` cells per side is needed.
     fn wants(&self, block: Block, cells: usize) -> bool;
 
-    /// Appends the spans of memory where most points of a block will be written, if they are to be fetched ahead; `size`
-    /// is that of the block's grid before the last round.
+    /// Appends the spans of memory where most points of a block will be written, if they are to be fetched ahead;
+    /// `size` is that of the block's grid before the last round.
     fn expect<'a>(&'a self, _: &Sweep, _size: GridSize, _block: Block, _spans: &mut Vec<&'a [f64]>) {}
 
     /// Receives the points of a block; `size` is that of the block's grid before the last round.
