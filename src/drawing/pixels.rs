@@ -31,6 +31,7 @@ pub fn pixels(drawing: &Drawing, watch: &Watch) -> Result<Kept<u8>, DrawError> {
     let mut canvas = Canvas { pixmap, watch };
     canvas.items(&drawing.items, GroupView { transform: Transform::identity(), mask: None })?;
     let straight = canvas.pixmap.take_demultiplied();
+    // memory that was not taken from what is kept would be added to it at the end
     let mut pixels = Kept::to_overwrite(straight.len());
     pixels.copy_from_slice(&straight);
     Ok(pixels)
