@@ -26,24 +26,32 @@ pub(super) const ROWS_PER_BAND: usize = 32;
 pub(crate) struct ValueRule<const W: usize> {
     /// The value of one sector, from its functionals.
     pub(crate) of: fn(&[[f64; W]]) -> [f64; W],
+    /// Replaces the first functional of many points by their values, given the others.
+    pub(crate) of_all: fn(&mut [[f64; W]], &[ValueRow<'_, W>]),
     /// The value of a point with several sectors, from the values of the sectors.
     pub(crate) join: fn(&[[f64; W]]) -> [f64; W],
     /// The value of a vertex without faces, from its position.
     pub(crate) alone: fn([f64; W]) -> [f64; W],
 }
 
+/// The values of consecutive points.
+type ValueRow<'a, const W: usize> = &'a [[f64; W]];
+
 /// The values of all points, in the documented order.
 #[derive(Debug)]
 pub(crate) struct PointValues<const W: usize> {
     /// One value per point, `n x W`.
     pub(crate) values: Numbers,
-    /// Values by side at points with several sectors: the point, the point that follows it in a face on that side, and
-    /// the value there; sorted.
-    pub(crate) sides: Vec<([u32; 2], [f64; W])>,
+    /// Values by side at points with several sectors, sorted.
+    pub(crate) sides: Vec<SideValue<W>>,
 }
 
+/// A point, the point that follows it in a face on one side, and the value of the first one there.
+pub(crate) type SideValue<const W: usize> = ([u32; 2], [f64; W]);
+
 impl Sweep {
-    /// Evaluates stencils at the points where the sweep ends, which are given in the documented order.
+    /// Evaluates stencils at the points where the sweep ends, which are given in the documented order. Returns the
+    /// values of each pair of stencils and a rule.
     ///
     /// # Errors
     /// [`Stopped`] when the watch says so.
@@ -53,37 +61,40 @@ impl Sweep {
     pub(crate) fn evaluate<const W: usize>(
         &self,
         points: &[f64],
-        stencils: &Stencils,
-        rule: ValueRule<W>,
+        wanted: &[(&Stencils, ValueRule<W>)],
         watch: &Watch,
-    ) -> Result<PointValues<W>, Stopped> {
+    ) -> Result<Vec<PointValues<W>>, Stopped> {
         let points = points.as_chunks::<W>().0;
         assert_eq!(points.len(), self.n_points(), "the points belong to another net");
-        let base = &self.surface.base;
-        let mut values = Numbers::to_overwrite(points.len() * W);
-        let (vertices, rest) = values.as_chunks_mut::<W>().0.split_at_mut(base.n_vertices());
-        let run = PatchEvaluator::new(self, points, stencils, rule);
-        let made = self.tasks(rest).into_par_iter().map_init(BandBuffers::<W>::default, |buffers, mut task| {
-            for patch in task.patches.clone() {
-                for first in (0..=run.n).step_by(ROWS_PER_BAND) {
-                    watch.check()?;
-                    run.band(patch, first..(first + ROWS_PER_BAND).min(run.n + 1), buffers, &mut task);
+        let n_vertices = self.surface.base.n_vertices();
+        let runs: Vec<_> = wanted.iter().map(|&(of, rule)| PatchEvaluator::new(self, points, of, rule)).collect();
+        let mut values: Vec<_> = wanted.iter().map(|_| Numbers::to_overwrite(points.len() * W)).collect();
+        let (mut vertices, rest): (Vec<_>, Vec<_>) =
+            values.iter_mut().map(|values| values.as_chunks_mut::<W>().0.split_at_mut(n_vertices)).unzip();
+        let made =
+            self.tasks_of_each(rest).into_par_iter().map_init(BandBuffers::<W>::default, |buffers, mut tasks| {
+                let (patches, n) = (tasks[0].patches.clone(), self.patch_pieces());
+                for patch in patches {
+                    for first in (0..=n).step_by(ROWS_PER_BAND) {
+                        watch.check()?;
+                        runs[0].band(patch, first..(first + ROWS_PER_BAND).min(n + 1), (&runs, &mut tasks), buffers);
+                    }
+                    watch.advance((n * n) as u64);
                 }
-                watch.advance((run.n * run.n) as u64);
+                Ok(tasks.into_iter().map(|task| (task.vertices, task.sides)).collect::<Vec<_>>())
+            });
+        let mut sides = vec![Vec::new(); wanted.len()];
+        for of_task in made.collect::<Result<Vec<_>, Stopped>>()? {
+            for (part, (owned, beside)) in of_task.into_iter().enumerate() {
+                owned.into_iter().for_each(|(v, value)| vertices[part][v as usize] = value);
+                sides[part].extend(beside);
             }
-            Ok((task.vertices, std::mem::take(&mut buffers.sides)))
-        });
-        let made = made.collect::<Result<Vec<_>, Stopped>>()?;
-        let mut sides = Vec::new();
-        for (owned, beside) in made {
-            owned.into_iter().for_each(|(v, value)| vertices[v as usize] = value);
-            sides.extend(beside);
         }
-        for v in (0..base.n_vertices()).filter(|&v| base.is_isolated(v)) {
-            vertices[v] = (rule.alone)(points[v]);
+        for v in (0..n_vertices).filter(|&v| self.surface.base.is_isolated(v)) {
+            vertices.iter_mut().zip(wanted).for_each(|(values, (_, rule))| values[v] = (rule.alone)(points[v]));
         }
-        sides.sort_unstable_by_key(|&(side, _)| side);
-        Ok(PointValues { values, sides })
+        sides.iter_mut().for_each(|sides| sides.sort_unstable_by_key(|&(side, _)| side));
+        Ok(values.into_iter().zip(sides).map(|(values, sides)| PointValues { values, sides }).collect())
     }
 }
 
@@ -104,8 +115,6 @@ pub(super) struct PatchEvaluator<'a, const W: usize> {
 struct BandBuffers<const W: usize> {
     points: Vec<f64>,
     functionals: Vec<Vec<f64>>,
-    values: Vec<[f64; W]>,
-    sides: Vec<([u32; 2], [f64; W])>,
 }
 
 impl<'a, const W: usize> PatchEvaluator<'a, W> {
@@ -127,30 +136,44 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
         (j - first.cast_signed() + 1).unsigned_abs() * (self.n + 3) + (i + 1).unsigned_abs()
     }
 
-    /// Evaluates the points in some rows of a patch.
-    fn band(&self, patch: usize, rows: Range<usize>, buffers: &mut BandBuffers<W>, task: &mut PatchRun<'_, W>) {
-        let len = (ROWS_PER_BAND + 2) * (self.n + 3);
-        at_least(&mut buffers.points, len * W);
+    /// Evaluates the points in some rows of a patch by several evaluators, each with the run that receives its values.
+    fn band(
+        &self,
+        patch: usize,
+        rows: Range<usize>,
+        (runs, tasks): (&[Self], &mut [PatchRun<'_, W>]),
+        buffers: &mut BandBuffers<W>,
+    ) {
+        let BandBuffers { points, functionals } = buffers;
+        at_least(points, (ROWS_PER_BAND + 2) * (self.n + 3) * W);
         let copy = |first: u32, out: &mut [[f64; W]]| out.copy_from_slice(&self.points[first as usize..][..out.len()]);
-        self.gather(patch, &rows, copy, buffers.points.as_chunks_mut().0);
-        buffers.functionals.resize_with(self.masks.len(), Vec::new);
-        for (mask, out) in self.masks.iter().zip(&mut buffers.functionals) {
-            at_least(out, len * W);
-            mask.combine(&[&buffers.points[..len * W]; 4], &mut out[..len * W], false, &mut Upcoming::default());
+        self.gather(patch, &rows, copy, points.as_chunks_mut().0);
+        for (run, task) in runs.iter().zip(tasks) {
+            run.regular(&rows, points, functionals);
+            let [values, ..] = functionals.as_mut_slice() else { continue };
+            let values = values.as_chunks_mut().0;
+            run.lines(patch, &rows, points.as_chunks().0, (values, &mut task.sides));
+            run.stars(patch, &rows, (values, &mut task.sides));
+            run.emit(patch, &rows, values, task);
         }
-        buffers.values.resize(len, [0.0; W]);
-        let span = self.n + 3..(rows.len() + 1) * (self.n + 3);
-        let functional = |f: usize, k: usize| buffers.functionals[f].as_chunks::<W>().0[k];
-        if self.masks.len() == 1 {
-            buffers.values[span.clone()].copy_from_slice(&buffers.functionals[0].as_chunks().0[span]);
-        } else {
-            for k in span {
-                buffers.values[k] = (self.rule.of)(&[functional(0, k), functional(1, k)]);
-            }
+    }
+
+    /// Evaluates all points in some rows of a patch as if the grid were regular; the values replace those of the first
+    /// functional.
+    fn regular(&self, rows: &Range<usize>, points: &[f64], functionals: &mut Vec<Vec<f64>>) {
+        let len = (ROWS_PER_BAND + 2) * (self.n + 3) * W;
+        functionals.resize_with(functionals.len().max(self.masks.len()), Vec::new);
+        for (mask, out) in self.masks.iter().zip(&mut *functionals) {
+            at_least(out, len);
+            mask.combine(&[&points[..len]; 4], &mut out[..len], false, &mut Upcoming::default());
         }
-        self.lines(patch, &rows, buffers);
-        self.stars(patch, &rows, buffers);
-        self.emit(patch, &rows, &buffers.values, task);
+        let Some(([first], others)) = functionals[..self.masks.len()].split_first_chunk_mut() else { return };
+        for j in rows.clone() {
+            let start = self.at(rows.start, [0, j.cast_signed()]);
+            let row = start..start + last(self.sweep.surface.tile, self.n, j) + 1;
+            let others: Vec<_> = others.iter().map(|other| &other.as_chunks().0[row.clone()]).collect();
+            (self.rule.of_all)(&mut first.as_chunks_mut().0[row], &others);
+        }
     }
 
     /// Returns the steps along a side, from the first to the last, for which the place lies in `rows`; `start` is the
@@ -228,7 +251,13 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
     }
 
     /// Evaluates the points on lines; the patch in which an edge appears first also records their values by side.
-    fn lines(&self, patch: usize, rows: &Range<usize>, buffers: &mut BandBuffers<W>) {
+    fn lines(
+        &self,
+        patch: usize,
+        rows: &Range<usize>,
+        grid: &[[f64; W]],
+        (values, sides): (&mut [[f64; W]], &mut Vec<SideValue<W>>),
+    ) {
         let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
         let reach = rows.start.cast_signed()..rows.end.cast_signed();
         for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
@@ -243,22 +272,21 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
             for steps in self.steps(frame.along(), frame.corner()[1], &reach) {
                 let place = frame.place([steps, 0]);
                 let near = |[i, j]: [isize; 2]| [place[0] + turn * i, place[1] + turn * j];
-                let grid = buffers.points.as_chunks::<W>().0;
                 let (value, sectors) = self.values(stencil, |offset| grid[self.at(rows.start, near(offset))]);
-                buffers.values[self.at(rows.start, place)] = value;
+                values[self.at(rows.start, place)] = value;
                 if owned && (1..n.cast_signed()).contains(&steps) && !sectors.is_empty() {
                     let v = order.vertex(patch, place);
                     let beside = |&(offset, sector): &([isize; 2], usize)| {
                         ([v, surface.vertex_near(order, half_edge, n, frame.seen(near(offset)))], sectors[sector])
                     };
-                    buffers.sides.extend(stencil.sides.iter().map(beside));
+                    sides.extend(stencil.sides.iter().map(beside));
                 }
             }
         }
     }
 
     /// Evaluates the corners of the patch around which the grid is not regular.
-    fn stars(&self, patch: usize, rows: &Range<usize>, buffers: &mut BandBuffers<W>) {
+    fn stars(&self, patch: usize, rows: &Range<usize>, (values, sides): (&mut [[f64; W]], &mut Vec<SideValue<W>>)) {
         let surface = &self.sweep.surface;
         for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
             let v = surface.patches.vertex(half_edge) as usize;
@@ -270,10 +298,10 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
             surface.gather_star(&self.sweep.orders[1], v, shape, self.n, |point| star.push(point));
             let stencil = &self.stencils.stars[kind];
             let (value, sectors) = self.values(stencil, |point| self.points[star[point] as usize]);
-            buffers.values[self.at(rows.start, place)] = value;
+            values[self.at(rows.start, place)] = value;
             if !sectors.is_empty() && surface.patches.ring_start(v) == half_edge {
                 let beside = |&(point, sector): &(usize, usize)| ([star[0], star[point]], sectors[sector]);
-                buffers.sides.extend(stencil.sides.iter().map(beside));
+                sides.extend(stencil.sides.iter().map(beside));
             }
         }
     }

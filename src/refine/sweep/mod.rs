@@ -31,7 +31,7 @@ mod upcoming;
 mod weave;
 mod window;
 
-pub(crate) use evaluate::ValueRule;
+pub(crate) use evaluate::{PointValues, ValueRule};
 pub(crate) use program::{Sweep, SweepOutline};
 pub(crate) use stencils::{Stencil, Stencils};
 pub(crate) use traced::TracedRows;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::block::{Block, BlockReceiver};
+use super::evaluate::SideValue;
 use super::grid::{GridSize, Planes};
 use super::lattice::CornerFrame;
 use super::program::Sweep;
@@ -23,6 +24,8 @@ pub(super) struct PatchRun<'a, const W: usize> {
     pub(super) inner: &'a mut [[f64; W]],
     /// Vertices of the base and their points.
     pub(super) vertices: Vec<(u32, [f64; W])>,
+    /// Values by side at points with several sectors.
+    pub(super) sides: Vec<SideValue<W>>,
 }
 
 impl<const W: usize> PatchRun<'_, W> {
@@ -65,9 +68,30 @@ impl Sweep {
             let starts = at;
             at = [at[0] + mine.len(), at[1] + within.len()];
             let patches = self.surface.patches_of(first..last);
-            tasks.push(PatchRun { patches, starts, edges: mine, inner: within, vertices: Vec::new() });
+            tasks.push(PatchRun {
+                patches,
+                starts,
+                edges: mine,
+                inner: within,
+                vertices: Vec::new(),
+                sides: Vec::new(),
+            });
         }
         tasks
+    }
+
+    /// Divides the patches into the same tasks for several results: for each task the parts of all results.
+    pub(super) fn tasks_of_each<'a, const W: usize>(
+        &self,
+        results: Vec<&'a mut [[f64; W]]>,
+    ) -> Vec<Vec<PatchRun<'a, W>>> {
+        let mut all = Vec::new();
+        for points in results {
+            let tasks = self.tasks(points);
+            all.resize_with(tasks.len(), Vec::new);
+            all.iter_mut().zip(tasks).for_each(|(parts, task)| parts.push(task));
+        }
+        all
     }
 }
 

@@ -22,7 +22,7 @@ pub(crate) struct TracedRows {
 }
 
 /// A placeholder for the rule of an evaluation, which is never applied.
-const UNUSED_RULE: ValueRule<1> = ValueRule { of: |_| [0.0], join: |_| [0.0], alone: |value| value };
+const UNUSED_RULE: ValueRule<1> = ValueRule { of: |_| [0.0], of_all: |_, _| {}, join: |_| [0.0], alone: |value| value };
 
 impl Sweep {
     /// Returns the rows that [`Sweep::evaluate`] adds up at the points where the sweep ends.
