@@ -95,12 +95,8 @@ fn positions<const W: usize>() -> ValueRule<W> {
 }
 
 /// The rule for normals, each from two tangents; zero where the tangents span no plane.
-const NORMAL_RULE: ValueRule<3> = ValueRule {
-    of: |tangents| normal(tangents[0], tangents[1]),
-    of_all: |first, others| normals(first, others[0]),
-    join: sum,
-    alone: |_| [0.0; 3],
-};
+const NORMAL_RULE: ValueRule<3> =
+    ValueRule { of: |tangents| normal(tangents[0], tangents[1]), of_all: normals, join: sum, alone: |_| [0.0; 3] };
 
 /// Squared lengths for which no product of two of them has overflowed or lost digits to underflow.
 const SAFE_PRODUCTS: RangeInclusive<f64> = 1e-100..=1e100;

@@ -5,13 +5,12 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::grid::at_least;
-use super::kernel::{FlatGroup, FlatMask};
+use super::kernel::weighted_sums;
 use super::lattice::{CornerFrame, LATTICE_AXES, axis, corner, last};
 use super::program::Sweep;
 use super::star::StarShape;
 use super::stencils::{Stencil, Stencils};
 use super::task::PatchRun;
-use super::upcoming::Upcoming;
 use crate::kept::Numbers;
 use crate::shape::topology::NONE;
 use crate::watch::{Stopped, Watch};
@@ -26,16 +25,13 @@ pub(super) const ROWS_PER_BAND: usize = 32;
 pub(crate) struct ValueRule<const W: usize> {
     /// The value of one sector, from its functionals.
     pub(crate) of: fn(&[[f64; W]]) -> [f64; W],
-    /// Replaces the first functional of many points by their values, given the others.
-    pub(crate) of_all: fn(&mut [[f64; W]], &[ValueRow<'_, W>]),
+    /// Replaces the first functional of many points by their values, given the second one if there is one.
+    pub(crate) of_all: fn(&mut [[f64; W]], &[[f64; W]]),
     /// The value of a point with several sectors, from the values of the sectors.
     pub(crate) join: fn(&[[f64; W]]) -> [f64; W],
     /// The value of a vertex without faces, from its position.
     pub(crate) alone: fn([f64; W]) -> [f64; W],
 }
-
-/// The values of consecutive points.
-type ValueRow<'a, const W: usize> = &'a [[f64; W]];
 
 /// The values of all points, in the documented order.
 #[derive(Debug)]
@@ -106,26 +102,28 @@ pub(super) struct PatchEvaluator<'a, const W: usize> {
     rule: ValueRule<W>,
     /// Number of pieces of a patch's side.
     pub(super) n: usize,
-    /// The masks of the functionals at regular points, over the buffer of a band.
-    masks: Vec<FlatMask>,
+    /// The masks of the functionals at regular points: weights, and distances in the buffer of a band.
+    masks: Vec<Vec<(f64, isize)>>,
 }
 
-/// The buffers of one thread: a band, with one more row on each side and one more column at each end.
+/// The buffers of one thread.
 #[derive(Default)]
 struct BandBuffers<const W: usize> {
+    /// The points of a band, with one more row on each side and one more column at each end.
     points: Vec<f64>,
-    functionals: Vec<Vec<f64>>,
+    /// For each evaluator the values at these points.
+    values: Vec<Vec<[f64; W]>>,
+    /// The second functional of one row.
+    second: Vec<f64>,
 }
 
 impl<'a, const W: usize> PatchEvaluator<'a, W> {
     pub(super) fn new(sweep: &'a Sweep, points: &'a [[f64; W]], stencils: &'a Stencils, rule: ValueRule<W>) -> Self {
         let n = sweep.patch_pieces();
         let stride = n + 3;
-        let len = (ROWS_PER_BAND + 2) * stride * W;
         let distance = |[i, j]: [isize; 2]| (j * stride.cast_signed() + i) * W.cast_signed();
-        let group = |&(place, weight): &([isize; 2], f64)| FlatGroup { weight, members: vec![(0, distance(place))] };
         let mask = |weights: &Vec<([isize; 2], f64)>| {
-            FlatMask::new(weights.iter().map(group).collect(), len, stride * W..len - stride * W)
+            weights.iter().map(|&(place, weight)| (weight, distance(place))).collect()
         };
         let masks = stencils.regular.sectors[0].iter().map(mask).collect();
         Self { sweep, points, stencils, rule, n, masks }
@@ -144,36 +142,36 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
         (runs, tasks): (&[Self], &mut [PatchRun<'_, W>]),
         buffers: &mut BandBuffers<W>,
     ) {
-        let BandBuffers { points, functionals } = buffers;
-        at_least(points, (ROWS_PER_BAND + 2) * (self.n + 3) * W);
+        let BandBuffers { points, values, second } = buffers;
+        let len = (ROWS_PER_BAND + 2) * (self.n + 3);
+        at_least(points, len * W);
+        at_least(second, (self.n + 1) * W);
+        values.resize_with(runs.len(), || vec![[0.0; W]; len]);
         let copy = |first: u32, out: &mut [[f64; W]]| out.copy_from_slice(&self.points[first as usize..][..out.len()]);
         self.gather(patch, &rows, copy, points.as_chunks_mut().0);
-        for (run, task) in runs.iter().zip(tasks) {
-            run.regular(&rows, points, functionals);
-            let [values, ..] = functionals.as_mut_slice() else { continue };
-            let values = values.as_chunks_mut().0;
-            run.lines(patch, &rows, points.as_chunks().0, (values, &mut task.sides));
-            run.stars(patch, &rows, (values, &mut task.sides));
-            run.emit(patch, &rows, values, task);
-        }
-    }
-
-    /// Evaluates all points in some rows of a patch as if the grid were regular; the values replace those of the first
-    /// functional.
-    fn regular(&self, rows: &Range<usize>, points: &[f64], functionals: &mut Vec<Vec<f64>>) {
-        let len = (ROWS_PER_BAND + 2) * (self.n + 3) * W;
-        functionals.resize_with(functionals.len().max(self.masks.len()), Vec::new);
-        for (mask, out) in self.masks.iter().zip(&mut *functionals) {
-            at_least(out, len);
-            mask.combine(&[&points[..len]; 4], &mut out[..len], false, &mut Upcoming::default());
-        }
-        let Some(([first], others)) = functionals[..self.masks.len()].split_first_chunk_mut() else { return };
         for j in rows.clone() {
             let start = self.at(rows.start, [0, j.cast_signed()]);
             let row = start..start + last(self.sweep.surface.tile, self.n, j) + 1;
-            let others: Vec<_> = others.iter().map(|other| &other.as_chunks().0[row.clone()]).collect();
-            (self.rule.of_all)(&mut first.as_chunks_mut().0[row], &others);
+            for ((run, task), values) in runs.iter().zip(&mut *tasks).zip(&mut *values) {
+                run.regular(points, row.start, &mut values[row.clone()], second);
+                run.emit_row(patch, j, &values[row.clone()], task);
+            }
         }
+        for ((run, task), values) in runs.iter().zip(tasks).zip(values) {
+            run.lines(patch, &rows, points.as_chunks().0, (values, &mut task.sides));
+            run.stars(patch, &rows, (values, &mut task.sides));
+            run.emit_sides(patch, &rows, values, task);
+        }
+    }
+
+    /// Sets the values of the points from place `first` of the band on, as if the grid were regular.
+    fn regular(&self, points: &[f64], first: usize, values: &mut [[f64; W]], second: &mut [f64]) {
+        let second = &mut second[..values.len() * W];
+        for (functional, mask) in self.masks.iter().enumerate() {
+            let out = if functional == 0 { values.as_flattened_mut() } else { &mut *second };
+            weighted_sums(out, points, first * W, mask);
+        }
+        (self.rule.of_all)(values, second.as_chunks().0);
     }
 
     /// Returns the steps along a side, from the first to the last, for which the place lies in `rows`; `start` is the
@@ -306,17 +304,24 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
         }
     }
 
-    /// Writes the values of the rows to their places in the documented order.
-    pub(super) fn emit(&self, patch: usize, rows: &Range<usize>, values: &[[f64; W]], task: &mut PatchRun<'_, W>) {
-        let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
-        for j in rows.start.max(1)..rows.end.min(n) {
-            let len = last(surface.tile, n, j).saturating_sub(1);
-            if len > 0 {
-                let place = [1, j.cast_signed()];
-                let at = self.at(rows.start, place);
-                task.inside(order.vertex(patch, place), len).copy_from_slice(&values[at..at + len]);
-            }
+    /// Writes the values of a row inside the patch to their places in the documented order.
+    pub(super) fn emit_row(&self, patch: usize, j: usize, row: &[[f64; W]], task: &mut PatchRun<'_, W>) {
+        let len = row.len().saturating_sub(2);
+        if (1..self.n).contains(&j) && len > 0 {
+            let first = self.sweep.orders[1].vertex(patch, [1, j.cast_signed()]);
+            task.inside(first, len).copy_from_slice(&row[1..=len]);
         }
+    }
+
+    /// Writes the values on the sides of the patch to their places in the documented order.
+    pub(super) fn emit_sides(
+        &self,
+        patch: usize,
+        rows: &Range<usize>,
+        values: &[[f64; W]],
+        task: &mut PatchRun<'_, W>,
+    ) {
+        let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
         let reach = rows.start.cast_signed()..rows.end.cast_signed();
         for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
             let frame = CornerFrame::new(surface.tile, n, side, 0);

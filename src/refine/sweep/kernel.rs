@@ -78,10 +78,6 @@ impl FlatMask {
             ([2, 2], false) => two_pairs(out, [w(0), w(1)], [two(0), two(1)]),
             ([2, 2], true) => add_two_pairs(out, [w(0), w(1)], [two(0), two(1)]),
             ([4, 4], true) => add_two_quads(out, [w(0), w(1)], [four(0), four(1)]),
-            (sizes, false) if sizes.len() > 1 && sizes.iter().all(|&size| size == 1) => {
-                let terms: Vec<(f64, &[f64])> = (0..sizes.len()).map(|g| (w(g), slice(g, 0))).collect();
-                singles(out, &terms);
-            }
             // adding group by group gives the same sum as long as the first group starts it
             (sizes @ [_, rest @ ..], _)
                 if sizes.iter().all(|size| matches!(size, 1 | 2 | 4 | 6)) && (rest.is_empty() || !adds) =>
@@ -238,26 +234,27 @@ fn add_two_quads(out: &mut [f64], w: [f64; 2], quads: [[&[f64]; 4]; 2]) {
     }
 }
 
-/// Values that [`singles`] sums at a time, in four of the widest registers. With half of it weights are loaded twice
-/// as often; twice of it takes all registers of smaller ones.
-const SINGLES: usize = 32;
+/// Values that [`weighted_sums`] sums at a time, in four of the widest registers. With half of it weights are loaded
+/// twice as often; twice of it takes all registers of smaller ones.
+const SUMS_AT_A_TIME: usize = 32;
 
+/// Sets each `out[k]` to the sum of `weight x source[first + k + distance]` over the terms, each a weight and a distance.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
-fn singles(out: &mut [f64], terms: &[(f64, &[f64])]) {
-    let (blocks, rest) = out.as_chunks_mut::<SINGLES>();
-    let end = SINGLES * blocks.len();
-    for (start, block) in (0..).step_by(SINGLES).zip(blocks) {
-        let mut sums = [-0.0; SINGLES];
-        for (w, a) in terms {
-            let a = &a[start..start + SINGLES];
-            for k in 0..SINGLES {
+pub(super) fn weighted_sums(out: &mut [f64], source: &[f64], first: usize, terms: &[(f64, isize)]) {
+    let (blocks, rest) = out.as_chunks_mut::<SUMS_AT_A_TIME>();
+    let end = first + SUMS_AT_A_TIME * blocks.len();
+    for (start, block) in (first..).step_by(SUMS_AT_A_TIME).zip(blocks) {
+        let mut sums = [-0.0; SUMS_AT_A_TIME];
+        for &(w, distance) in terms {
+            let a = &source[start.wrapping_add_signed(distance)..][..SUMS_AT_A_TIME];
+            for k in 0..SUMS_AT_A_TIME {
                 sums[k] += w * a[k];
             }
         }
         *block = sums;
     }
     for (k, x) in (end..).zip(rest) {
-        *x = terms.iter().fold(-0.0, |sum, (w, a)| sum + w * a[k]);
+        *x = terms.iter().fold(-0.0, |sum, &(w, distance)| sum + w * source[k.wrapping_add_signed(distance)]);
     }
 }
 

@@ -51,7 +51,12 @@ impl Sweep {
                         &mut points,
                     );
                     trace.band(patch, &rows, &points, &mut numbers);
-                    run.emit(patch, &rows, &numbers, &mut task);
+                    for j in rows.clone() {
+                        let start = run.at(rows.start, [0, j.cast_signed()]);
+                        let row = &numbers[start..=start + last(self.surface.tile, run.n, j)];
+                        run.emit_row(patch, j, row, &mut task);
+                    }
+                    run.emit_sides(patch, &rows, &numbers, &mut task);
                 }
                 watch.advance((run.n * run.n) as u64);
             }
