@@ -14,6 +14,13 @@ pub fn complex_product([a, b]: Complex, [c, d]: Complex) -> Complex {
     [a * c - b * d, a * d + b * c]
 }
 
+/// Returns whether all coordinates are zero.
+#[must_use]
+#[inline]
+pub fn is_zero<const N: usize>(a: &[f64; N]) -> bool {
+    a.iter().all(|&x| x == 0.0)
+}
+
 /// Returns the sum of two vectors.
 #[must_use]
 pub fn plus<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {

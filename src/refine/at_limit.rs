@@ -3,7 +3,6 @@
 use std::ops::RangeInclusive;
 
 use multiversion::multiversion;
-use rayon::prelude::*;
 
 use super::normals::Normals;
 use super::program::Program;
@@ -11,7 +10,7 @@ use super::refined::{RefinedChannel, RefinedMesh};
 use super::sweep::{PointValues, Stencils, Sweep, ValueRule};
 use crate::kept::Numbers;
 use crate::math::functions::sqrt;
-use crate::math::vector::{cross, direction, dot, length, plus};
+use crate::math::vector::{cross, direction, dot, is_zero, length, plus};
 use crate::watch::{Stopped, Watch};
 
 impl Program {
@@ -34,7 +33,9 @@ impl Program {
         let mut found = sweep.evaluate(&refined.points, &wanted, watch)?.into_iter();
         let points = limits_wanted.and_then(|_| found.next());
         let normals = found.next();
-        if normals.as_ref().is_some_and(|normals| are_missing(normals, &refined)) {
+        let is_missing =
+            |normals: &PointValues<3>| normals.has_zero || normals.sides.iter().any(|(_, normal)| is_zero(normal));
+        if normals.as_ref().is_some_and(is_missing) {
             return Ok(None);
         }
         let normals = normals.map(|found| Normals { of_vertices: found.values, sides: found.sides });
@@ -67,18 +68,6 @@ fn limits_of<const W: usize>(
     let mut found = sweep.evaluate::<W>(numbers, &[(stencils, positions())], watch)?;
     Ok(found.swap_remove(0).values)
 }
-
-/// Returns whether a vertex with faces has no normal.
-fn are_missing(normals: &PointValues<3>, refined: &RefinedMesh) -> bool {
-    let is_isolated = |v: usize| v < refined.base.n_vertices() && refined.base.is_isolated(v);
-    let is_missing = |(v, normal): (usize, &[f64; 3])| is_zero(normal) && !is_isolated(v);
-    let of_vertices = normals.values.as_chunks().0.par_iter().with_min_len(NORMALS_PER_TASK);
-    of_vertices.enumerate().any(is_missing) || normals.sides.iter().any(|(_, normal)| is_zero(normal))
-}
-
-/// Minimum number of normals that one thread checks at a time. A check is three comparisons, so that smaller tasks cost
-/// more switching than work; with twice of it threads are idle at smaller meshes.
-const NORMALS_PER_TASK: usize = 4096;
 
 /// The sine of the smallest angle between two tangents for which their cross product still gives a normal. The rounding
 /// of tangents of length 1 turns such a normal by some 1e-7 radians; half of it doubles that; twice of it halves that,
@@ -158,11 +147,6 @@ fn normal(t: [f64; 3], u: [f64; 3]) -> [f64; 3] {
     let (Some(t), Some(u)) = (direction(t), direction(u)) else { return [0.0; 3] };
     let product = cross(t, u);
     if length(product) > LEAST_TANGENT_SINE { direction(product).unwrap_or_default() } else { [0.0; 3] }
-}
-
-/// Returns whether `normal` is the zero vector, which stands for "no normal".
-fn is_zero(normal: &[f64; 3]) -> bool {
-    normal.iter().all(|&x| x == 0.0)
 }
 
 /// Returns the direction of the sum of the sector normals, or zero if any sector has no normal.

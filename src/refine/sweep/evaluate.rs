@@ -4,34 +4,15 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::bundle::{Bundle, FUNCTIONALS, SUMS_AT_A_TIME};
 use super::grid::at_least;
-use super::kernel::weighted_sums;
-use super::lattice::{CornerFrame, LATTICE_AXES, axis, corner, last};
+use super::lattice::last;
+use super::patch_evaluator::{PatchEvaluator, ROWS_PER_BAND, ValueRule};
 use super::program::Sweep;
-use super::star::StarShape;
-use super::stencils::{Stencil, Stencils};
-use super::task::PatchRun;
+use super::stencils::Stencils;
+use super::task::{PatchRun, SideValue};
 use crate::kept::Numbers;
-use crate::shape::topology::NONE;
 use crate::watch::{Stopped, Watch};
-
-/// Rows of a patch that are evaluated at a time, so that they stay with their neighbours in the cache of a core. With
-/// half as many, a tenth of all rows are gathered twice; with twice as many, patches of 512 pieces and more leave the
-/// cache.
-pub(super) const ROWS_PER_BAND: usize = 32;
-
-/// How the functionals at a point are combined into its value.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ValueRule<const W: usize> {
-    /// The value of one sector, from its functionals.
-    pub(crate) of: fn(&[[f64; W]]) -> [f64; W],
-    /// Replaces the first functional of many points by their values, given the second one if there is one.
-    pub(crate) of_all: fn(&mut [[f64; W]], &[[f64; W]]),
-    /// The value of a point with several sectors, from the values of the sectors.
-    pub(crate) join: fn(&[[f64; W]]) -> [f64; W],
-    /// The value of a vertex without faces, from its position.
-    pub(crate) alone: fn([f64; W]) -> [f64; W],
-}
 
 /// The values of all points, in the documented order.
 #[derive(Debug)]
@@ -40,10 +21,9 @@ pub(crate) struct PointValues<const W: usize> {
     pub(crate) values: Numbers,
     /// Values by side at points with several sectors, sorted.
     pub(crate) sides: Vec<SideValue<W>>,
+    /// Whether the value of a point with faces is zero.
+    pub(crate) has_zero: bool,
 }
-
-/// A point, the point that follows it in a face on one side, and the value of the first one there.
-pub(crate) type SideValue<const W: usize> = ([u32; 2], [f64; W]);
 
 impl Sweep {
     /// Evaluates stencils at the points where the sweep ends, which are given in the documented order. Returns the
@@ -63,47 +43,38 @@ impl Sweep {
         let points = points.as_chunks::<W>().0;
         assert_eq!(points.len(), self.n_points(), "the points belong to another net");
         let n_vertices = self.surface.base.n_vertices();
-        let runs: Vec<_> = wanted.iter().map(|&(of, rule)| PatchEvaluator::new(self, points, of, rule)).collect();
+        let run = BandRun::new(self, points, wanted);
         let mut values: Vec<_> = wanted.iter().map(|_| Numbers::to_overwrite(points.len() * W)).collect();
         let (mut vertices, rest): (Vec<_>, Vec<_>) =
             values.iter_mut().map(|values| values.as_chunks_mut::<W>().0.split_at_mut(n_vertices)).unzip();
-        let made =
-            self.tasks_of_each(rest).into_par_iter().map_init(BandBuffers::<W>::default, |buffers, mut tasks| {
-                let (patches, n) = (tasks[0].patches.clone(), self.patch_pieces());
-                for patch in patches {
-                    for first in (0..=n).step_by(ROWS_PER_BAND) {
-                        watch.check()?;
-                        runs[0].band(patch, first..(first + ROWS_PER_BAND).min(n + 1), (&runs, &mut tasks), buffers);
-                    }
-                    watch.advance((n * n) as u64);
-                }
-                Ok(tasks.into_iter().map(|task| (task.vertices, task.sides)).collect::<Vec<_>>())
-            });
-        let mut sides = vec![Vec::new(); wanted.len()];
+        let tasks = self.tasks_of_each(rest).into_par_iter();
+        let made = tasks.map_init(BandBuffers::default, |buffers, tasks| run.patches(tasks, buffers, watch));
+        let mut others = vec![(Vec::new(), false); wanted.len()];
         for of_task in made.collect::<Result<Vec<_>, Stopped>>()? {
-            for (part, (owned, beside)) in of_task.into_iter().enumerate() {
-                owned.into_iter().for_each(|(v, value)| vertices[part][v as usize] = value);
-                sides[part].extend(beside);
+            for (part, task) in of_task.into_iter().enumerate() {
+                task.vertices.into_iter().for_each(|(v, value)| vertices[part][v as usize] = value);
+                others[part].0.extend(task.sides);
+                others[part].1 |= task.has_zero;
             }
         }
         for v in (0..n_vertices).filter(|&v| self.surface.base.is_isolated(v)) {
             vertices.iter_mut().zip(wanted).for_each(|(values, (_, rule))| values[v] = (rule.alone)(points[v]));
         }
-        sides.iter_mut().for_each(|sides| sides.sort_unstable_by_key(|&(side, _)| side));
-        Ok(values.into_iter().zip(sides).map(|(values, sides)| PointValues { values, sides }).collect())
+        let found = values.into_iter().zip(others).map(|(values, (mut sides, has_zero))| {
+            sides.sort_unstable_by_key(|&(side, _)| side);
+            PointValues { values, sides, has_zero }
+        });
+        Ok(found.collect())
     }
 }
 
-/// The data that the evaluation of all patches shares.
-pub(super) struct PatchEvaluator<'a, const W: usize> {
-    sweep: &'a Sweep,
+/// The data that the evaluation of all bands shares.
+struct BandRun<'a, const W: usize> {
     points: &'a [[f64; W]],
-    stencils: &'a Stencils,
-    rule: ValueRule<W>,
-    /// Number of pieces of a patch's side.
-    pub(super) n: usize,
-    /// The masks of the functionals at regular points: weights, and distances in the buffer of a band.
-    masks: Vec<Vec<(f64, isize)>>,
+    /// The evaluators; there is at least one.
+    evaluators: Vec<PatchEvaluator<'a, W>>,
+    /// The regular masks of the functionals of all evaluators, over the buffer of a band.
+    bundle: Bundle,
 }
 
 /// The buffers of one thread.
@@ -111,236 +82,69 @@ pub(super) struct PatchEvaluator<'a, const W: usize> {
 struct BandBuffers<const W: usize> {
     /// The points of a band, with one more row on each side and one more column at each end.
     points: Vec<f64>,
-    /// For each evaluator the values at these points.
+    /// The functionals of a row.
+    functionals: [Vec<f64>; FUNCTIONALS],
+    /// For each evaluator the values of the band, as far as they lie on the sides of the patch.
     values: Vec<Vec<[f64; W]>>,
-    /// The second functional of one row.
-    second: Vec<f64>,
 }
 
-impl<'a, const W: usize> PatchEvaluator<'a, W> {
-    pub(super) fn new(sweep: &'a Sweep, points: &'a [[f64; W]], stencils: &'a Stencils, rule: ValueRule<W>) -> Self {
-        let n = sweep.patch_pieces();
-        let stride = n + 3;
-        let distance = |[i, j]: [isize; 2]| (j * stride.cast_signed() + i) * W.cast_signed();
-        let mask = |weights: &Vec<([isize; 2], f64)>| {
-            weights.iter().map(|&(place, weight)| (weight, distance(place))).collect()
-        };
-        let masks = stencils.regular.sectors[0].iter().map(mask).collect();
-        Self { sweep, points, stencils, rule, n, masks }
+impl<'a, const W: usize> BandRun<'a, W> {
+    fn new(sweep: &'a Sweep, points: &'a [[f64; W]], wanted: &[(&'a Stencils, ValueRule<W>)]) -> Self {
+        let evaluators: Vec<_> = wanted.iter().map(|&(of, rule)| PatchEvaluator::new(sweep, of, rule)).collect();
+        let stride = (sweep.patch_pieces() + 3).cast_signed();
+        let term = |&([i, j], weight): &([isize; 2], f64)| (weight, (j * stride + i) * W.cast_signed());
+        let masks = evaluators.iter().flat_map(|run| &run.stencils.regular.sectors[0]);
+        let masks: Vec<Vec<_>> = masks.map(|mask| mask.iter().map(term).collect()).collect();
+        Self { points, bundle: Bundle::new(&masks), evaluators }
     }
 
-    /// Returns the index of a patch's place `[i, j]` in the buffers of a band whose first row is `first`.
-    pub(super) fn at(&self, first: usize, [i, j]: [isize; 2]) -> usize {
-        (j - first.cast_signed() + 1).unsigned_abs() * (self.n + 3) + (i + 1).unsigned_abs()
-    }
-
-    /// Evaluates the points in some rows of a patch by several evaluators, each with the run that receives its values.
-    fn band(
+    /// Evaluates the patches of a task, given its part of each result.
+    fn patches<'t>(
         &self,
-        patch: usize,
-        rows: Range<usize>,
-        (runs, tasks): (&[Self], &mut [PatchRun<'_, W>]),
+        mut tasks: Vec<PatchRun<'t, W>>,
         buffers: &mut BandBuffers<W>,
-    ) {
-        let BandBuffers { points, values, second } = buffers;
-        let len = (ROWS_PER_BAND + 2) * (self.n + 3);
-        at_least(points, len * W);
-        at_least(second, (self.n + 1) * W);
-        values.resize_with(runs.len(), || vec![[0.0; W]; len]);
+        watch: &Watch,
+    ) -> Result<Vec<PatchRun<'t, W>>, Stopped> {
+        let n = self.evaluators[0].n;
+        for patch in tasks[0].patches.clone() {
+            for first in (0..=n).step_by(ROWS_PER_BAND) {
+                watch.check()?;
+                self.band(patch, &(first..(first + ROWS_PER_BAND).min(n + 1)), buffers, &mut tasks);
+            }
+            watch.advance((n * n) as u64);
+        }
+        Ok(tasks)
+    }
+
+    /// Evaluates the points in some rows of a patch.
+    fn band(&self, patch: usize, rows: &Range<usize>, buffers: &mut BandBuffers<W>, tasks: &mut [PatchRun<'_, W>]) {
+        let BandBuffers { points, functionals, values } = buffers;
+        let any = &self.evaluators[0];
+        let len = (ROWS_PER_BAND + 2) * (any.n + 3);
+        at_least(points, len * W + SUMS_AT_A_TIME);
+        values.resize_with(self.evaluators.len(), || vec![[0.0; W]; len]);
         let copy = |first: u32, out: &mut [[f64; W]]| out.copy_from_slice(&self.points[first as usize..][..out.len()]);
-        self.gather(patch, &rows, copy, points.as_chunks_mut().0);
+        any.gather(patch, rows, copy, points.as_chunks_mut().0);
         for j in rows.clone() {
-            let start = self.at(rows.start, [0, j.cast_signed()]);
-            let row = start..start + last(self.sweep.surface.tile, self.n, j) + 1;
-            for ((run, task), values) in runs.iter().zip(&mut *tasks).zip(&mut *values) {
-                run.regular(points, row.start, &mut values[row.clone()], second);
-                run.emit_row(patch, j, &values[row.clone()], task);
-            }
-        }
-        for ((run, task), values) in runs.iter().zip(tasks).zip(values) {
-            run.lines(patch, &rows, points.as_chunks().0, (values, &mut task.sides));
-            run.stars(patch, &rows, (values, &mut task.sides));
-            run.emit_sides(patch, &rows, values, task);
-        }
-    }
-
-    /// Sets the values of the points from place `first` of the band on, as if the grid were regular.
-    fn regular(&self, points: &[f64], first: usize, values: &mut [[f64; W]], second: &mut [f64]) {
-        let second = &mut second[..values.len() * W];
-        for (functional, mask) in self.masks.iter().enumerate() {
-            let out = if functional == 0 { values.as_flattened_mut() } else { &mut *second };
-            weighted_sums(out, points, first * W, mask);
-        }
-        (self.rule.of_all)(values, second.as_chunks().0);
-    }
-
-    /// Returns the steps along a side, from the first to the last, for which the place lies in `rows`; `start` is the
-    /// row of step 0.
-    pub(super) fn steps(&self, along: [isize; 2], start: isize, rows: &Range<isize>) -> Range<isize> {
-        let n = self.n.cast_signed();
-        match along[1] {
-            1 => (rows.start - start).max(0)..(rows.end - start).min(n + 1),
-            -1 => (start - rows.end + 1).max(0)..(start - rows.start + 1).min(n + 1),
-            _ => 0..if rows.contains(&start) { n + 1 } else { 0 },
-        }
-    }
-
-    /// Gathers entries for the points in `rows` and in the rows next to them; `fill` fills a slice with those of
-    /// consecutive points from its first argument on.
-    pub(super) fn gather<T>(&self, patch: usize, rows: &Range<usize>, fill: impl Fn(u32, &mut [T]), buffer: &mut [T]) {
-        let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
-        let tile = surface.tile;
-        let reach = rows.start.cast_signed() - 1..rows.end.cast_signed() + 1;
-        for j in rows.start.saturating_sub(1).max(1)..(rows.end + 1).min(n) {
-            let len = last(tile, n, j).saturating_sub(1);
-            if len > 0 {
-                let place = [1, j.cast_signed()];
-                let (first, at) = (order.vertex(patch, place), self.at(rows.start, place));
-                fill(first, &mut buffer[at..at + len]);
-            }
-        }
-        let mut put = |place: [isize; 2], v: u32| {
-            if reach.contains(&place[1]) {
-                fill(v, std::slice::from_mut(&mut buffer[self.at(rows.start, place)]));
-            }
-        };
-        for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
-            let frame = CornerFrame::new(tile, n, side, 0);
-            for steps in self.steps(frame.along(), frame.corner()[1], &reach) {
-                let place = frame.place([steps, 0]);
-                put(place, order.vertex(patch, place));
-            }
-            let twin = surface.patches.twin(half_edge);
-            if twin != NONE {
-                let (neighbour, its) = surface.side(twin);
-                let there = CornerFrame::new(tile, n, its, 0);
-                for steps in self.steps(frame.along(), frame.place([0, -1])[1], &reach) {
-                    let across = there.place([n.cast_signed() - steps, 1]);
-                    if steps.unsigned_abs() >= n - last(tile, n, 1) {
-                        put(frame.place([steps, -1]), order.vertex(neighbour, across));
-                    }
-                }
-            }
-            if surface.kind_of(surface.patches.vertex(half_edge) as usize).is_none() {
-                surface.gather_across(order, half_edge, [n, 1], &mut put);
-            }
-        }
-    }
-
-    /// Returns the value of one sector; `point` gives the points.
-    fn value<P: Copy>(&self, sector: &[Vec<(P, f64)>], point: impl Fn(P) -> [f64; W]) -> [f64; W] {
-        let sum = |weights: &Vec<(P, f64)>| {
-            let add = |sum: [f64; W], &(p, weight): &(P, f64)| {
-                let p = point(p);
-                std::array::from_fn(|c| sum[c] + weight * p[c])
-            };
-            weights.iter().fold([-0.0; W], add)
-        };
-        (self.rule.of)(&sector.iter().map(sum).collect::<Vec<_>>())
-    }
-
-    /// Returns the value of a point, and the values of its sectors if it has several.
-    fn values<P: Copy>(&self, stencil: &Stencil<P>, point: impl Fn(P) -> [f64; W]) -> ([f64; W], Vec<[f64; W]>) {
-        if let [sector] = stencil.sectors.as_slice() {
-            return (self.value(sector, point), Vec::new());
-        }
-        let all: Vec<[f64; W]> = stencil.sectors.iter().map(|sector| self.value(sector, &point)).collect();
-        ((self.rule.join)(&all), all)
-    }
-
-    /// Evaluates the points on lines; the patch in which an edge appears first also records their values by side.
-    fn lines(
-        &self,
-        patch: usize,
-        rows: &Range<usize>,
-        grid: &[[f64; W]],
-        (values, sides): (&mut [[f64; W]], &mut Vec<SideValue<W>>),
-    ) {
-        let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
-        let reach = rows.start.cast_signed()..rows.end.cast_signed();
-        for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
-            let Some(line) = surface.line(half_edge) else { continue };
-            let Some(along) = &self.stencils.lines[line] else { continue };
-            let stencil = &along[axis(surface.tile, side)];
-            let frame = CornerFrame::new(surface.tile, n, side, 0);
-            // stencils of boundaries have the faces on the left, so they are rotated by a half turn on sides that run
-            // backwards
-            let turn = if frame.along() == LATTICE_AXES[axis(surface.tile, side)] { 1 } else { -1 };
-            let owned = surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge;
-            for steps in self.steps(frame.along(), frame.corner()[1], &reach) {
-                let place = frame.place([steps, 0]);
-                let near = |[i, j]: [isize; 2]| [place[0] + turn * i, place[1] + turn * j];
-                let (value, sectors) = self.values(stencil, |offset| grid[self.at(rows.start, near(offset))]);
-                values[self.at(rows.start, place)] = value;
-                if owned && (1..n.cast_signed()).contains(&steps) && !sectors.is_empty() {
-                    let v = order.vertex(patch, place);
-                    let beside = |&(offset, sector): &([isize; 2], usize)| {
-                        ([v, surface.vertex_near(order, half_edge, n, frame.seen(near(offset)))], sectors[sector])
-                    };
-                    sides.extend(stencil.sides.iter().map(beside));
+            let len = last(any.sweep.surface.tile, any.n, j) + 1;
+            let start = any.at(rows.start, [0, j.cast_signed()]);
+            self.bundle.sums(functionals, len * W, points, start * W);
+            let mut functionals = functionals.each_mut().map(|row| row.as_chunks_mut().0).into_iter();
+            for ((run, task), values) in self.evaluators.iter().zip(&mut *tasks).zip(&mut *values) {
+                let mut mine = functionals.by_ref().take(run.n_functionals());
+                let Some(row) = mine.next().map(|row| &mut row[..len]) else { continue };
+                (run.rule.of_all)(row, mine.next().map_or(&[], |second| &second[..len]));
+                run.emit_row(patch, j, row, task);
+                let on_sides = if j == 0 || j == any.n { 1 } else { len.saturating_sub(1).max(1) };
+                for i in (0..len).step_by(on_sides) {
+                    values[start + i] = row[i];
                 }
             }
         }
-    }
-
-    /// Evaluates the corners of the patch around which the grid is not regular.
-    fn stars(&self, patch: usize, rows: &Range<usize>, (values, sides): (&mut [[f64; W]], &mut Vec<SideValue<W>>)) {
-        let surface = &self.sweep.surface;
-        for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
-            let v = surface.patches.vertex(half_edge) as usize;
-            let place = corner(surface.tile, self.n, side);
-            let Some(kind) = surface.kind_of(v).filter(|_| rows.contains(&place[1].unsigned_abs())) else { continue };
-            let shape = &surface.kinds[kind];
-            let shape = StarShape { tile: surface.tile, faces: shape.faces, closed: shape.closed, reach: 1 };
-            let mut star = Vec::with_capacity(shape.len());
-            surface.gather_star(&self.sweep.orders[1], v, shape, self.n, |point| star.push(point));
-            let stencil = &self.stencils.stars[kind];
-            let (value, sectors) = self.values(stencil, |point| self.points[star[point] as usize]);
-            values[self.at(rows.start, place)] = value;
-            if !sectors.is_empty() && surface.patches.ring_start(v) == half_edge {
-                let beside = |&(point, sector): &(usize, usize)| ([star[0], star[point]], sectors[sector]);
-                sides.extend(stencil.sides.iter().map(beside));
-            }
-        }
-    }
-
-    /// Writes the values of a row inside the patch to their places in the documented order.
-    pub(super) fn emit_row(&self, patch: usize, j: usize, row: &[[f64; W]], task: &mut PatchRun<'_, W>) {
-        let len = row.len().saturating_sub(2);
-        if (1..self.n).contains(&j) && len > 0 {
-            let first = self.sweep.orders[1].vertex(patch, [1, j.cast_signed()]);
-            task.inside(first, len).copy_from_slice(&row[1..=len]);
-        }
-    }
-
-    /// Writes the values on the sides of the patch to their places in the documented order.
-    pub(super) fn emit_sides(
-        &self,
-        patch: usize,
-        rows: &Range<usize>,
-        values: &[[f64; W]],
-        task: &mut PatchRun<'_, W>,
-    ) {
-        let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
-        let reach = rows.start.cast_signed()..rows.end.cast_signed();
-        for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
-            let frame = CornerFrame::new(surface.tile, n, side, 0);
-            let owned = surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge;
-            let corner = surface.patches.vertex(half_edge) as usize;
-            for steps in self.steps(frame.along(), frame.corner()[1], &reach) {
-                let place = frame.place([steps, 0]);
-                let value = values[self.at(rows.start, place)];
-                let is_inner = (1..n.cast_signed()).contains(&steps);
-                if !(is_inner && owned || steps == 0) {
-                    continue;
-                }
-                let v = order.vertex(patch, place);
-                if is_inner || v as usize >= surface.base.n_vertices() {
-                    task.places(v as usize, 1).into_iter().flatten().for_each(|place| *place = value);
-                } else if surface.patches.ring_start(corner) == half_edge {
-                    task.vertices.push((v, value));
-                }
-            }
+        for ((run, task), values) in self.evaluators.iter().zip(tasks).zip(values) {
+            run.lines(patch, rows, points.as_chunks().0, (values, &mut task.sides));
+            run.stars(patch, rows, self.points, (values, &mut task.sides));
+            run.emit_sides(patch, rows, values, task);
         }
     }
 }

@@ -234,30 +234,6 @@ fn add_two_quads(out: &mut [f64], w: [f64; 2], quads: [[&[f64]; 4]; 2]) {
     }
 }
 
-/// Values that [`weighted_sums`] sums at a time, in four of the widest registers. With half of it weights are loaded
-/// twice as often; twice of it takes all registers of smaller ones.
-const SUMS_AT_A_TIME: usize = 32;
-
-/// Sets each `out[k]` to the sum of `weight x source[first + k + distance]` over the terms, each a weight and a distance.
-#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
-pub(super) fn weighted_sums(out: &mut [f64], source: &[f64], first: usize, terms: &[(f64, isize)]) {
-    let (blocks, rest) = out.as_chunks_mut::<SUMS_AT_A_TIME>();
-    let end = first + SUMS_AT_A_TIME * blocks.len();
-    for (start, block) in (first..).step_by(SUMS_AT_A_TIME).zip(blocks) {
-        let mut sums = [-0.0; SUMS_AT_A_TIME];
-        for &(w, distance) in terms {
-            let a = &source[start.wrapping_add_signed(distance)..][..SUMS_AT_A_TIME];
-            for k in 0..SUMS_AT_A_TIME {
-                sums[k] += w * a[k];
-            }
-        }
-        *block = sums;
-    }
-    for (k, x) in (end..).zip(rest) {
-        *x = terms.iter().fold(-0.0, |sum, &(w, distance)| sum + w * source[k.wrapping_add_signed(distance)]);
-    }
-}
-
 /// Sets each `out[k]` to `a[k] - b[k]`.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 pub(super) fn differences(out: &mut [f64], a: &[f64], b: &[f64]) {

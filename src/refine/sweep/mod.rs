@@ -8,6 +8,7 @@
 //! as under the rows of the whole net.
 
 mod block;
+mod bundle;
 mod evaluate;
 mod fans;
 mod grid;
@@ -17,6 +18,7 @@ mod lattice;
 mod line;
 mod mask;
 mod numbering;
+mod patch_evaluator;
 mod patches;
 mod places;
 mod planes;
@@ -31,7 +33,8 @@ mod upcoming;
 mod weave;
 mod window;
 
-pub(crate) use evaluate::{PointValues, ValueRule};
+pub(crate) use evaluate::PointValues;
+pub(crate) use patch_evaluator::ValueRule;
 pub(crate) use program::{Sweep, SweepOutline};
 pub(crate) use stencils::{Stencil, Stencils};
 pub(crate) use traced::TracedRows;

@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use super::block::{Block, BlockReceiver};
-use super::evaluate::SideValue;
 use super::grid::{GridSize, Planes};
 use super::lattice::CornerFrame;
 use super::program::Sweep;
+use super::upcoming::fetch;
 use super::weave::GridRow;
 use crate::shape::tile::Tile;
 use crate::shape::topology::index;
@@ -14,6 +14,9 @@ use crate::shape::topology::index;
 /// Approximate number of faces that one task refines: small enough that all threads finish together, large enough that
 /// few stars are refined twice. Half as many refine more stars twice; twice as many let threads wait longer.
 const FACES_PER_SWEEP_TASK: usize = 1 << 14;
+
+/// A point, the point that follows it in a face on one side, and the value of the first one there.
+pub(crate) type SideValue<const W: usize> = ([u32; 2], [f64; W]);
 
 /// Consecutive patches and the parts of the result that hold their points.
 pub(super) struct PatchRun<'a, const W: usize> {
@@ -26,6 +29,8 @@ pub(super) struct PatchRun<'a, const W: usize> {
     pub(super) vertices: Vec<(u32, [f64; W])>,
     /// Values by side at points with several sectors.
     pub(super) sides: Vec<SideValue<W>>,
+    /// Whether a value is zero.
+    pub(super) has_zero: bool,
 }
 
 impl<const W: usize> PatchRun<'_, W> {
@@ -33,6 +38,12 @@ impl<const W: usize> PatchRun<'_, W> {
     pub(super) fn inside(&mut self, first: u32, n: usize) -> &mut [[f64; W]] {
         let first = first as usize - self.starts[1];
         &mut self.inner[first..first + n]
+    }
+
+    /// Asks for the memory of up to `n` points inside base faces, from a documented index on.
+    pub(super) fn expect_inside(&self, first: usize, n: usize) {
+        let inner = self.inner.get(first - self.starts[1]..).unwrap_or_default();
+        fetch(inner[..n.min(inner.len())].as_flattened());
     }
 
     /// Returns the slots of `n` consecutive points that are not base vertices, if they belong to this task.
@@ -75,6 +86,7 @@ impl Sweep {
                 inner: within,
                 vertices: Vec::new(),
                 sides: Vec::new(),
+                has_zero: false,
             });
         }
         tasks

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::evaluate::{PatchEvaluator, ROWS_PER_BAND, ValueRule};
 use super::lattice::{CornerFrame, LATTICE_AXES, axis, corner, last};
+use super::patch_evaluator::{PatchEvaluator, ROWS_PER_BAND, ValueRule};
 use super::program::Sweep;
 use super::star::StarShape;
 use super::stencils::{Stencil, Stencils};
@@ -35,7 +35,7 @@ impl Sweep {
         // entry of the one whose value is kept
         let mut found = vec![[0.0]; self.n_points()];
         let (vertices, rest) = found.split_at_mut(base.n_vertices());
-        let run = PatchEvaluator::new(self, &[], stencils, UNUSED_RULE);
+        let run = PatchEvaluator::new(self, stencils, UNUSED_RULE);
         let mut trace = RowTrace { sweep: self, run: &run, stencils, rows: Rows::default(), entries: Vec::new() };
         let len = (ROWS_PER_BAND + 2) * (run.n + 3);
         let (mut points, mut numbers) = (vec![NONE; len], vec![[0.0]; len]);

@@ -41,21 +41,21 @@ impl<'a> Upcoming<'a> {
                 self.now = next;
             }
             let (now, rest) = self.now.split_at(self.now.len().min(lines * LINE));
-            now.iter().step_by(LINE).for_each(fetch);
+            fetch(now);
             (self.now, lines) = (rest, lines - now.len().div_ceil(LINE));
         }
         true
     }
 }
 
-/// Asks for the line of memory of a value that will be overwritten, to be fetched no nearer than the second cache: a
+/// Asks for the lines of memory of values that will be overwritten, to be fetched no nearer than the second cache: a
 /// line that is fetched into the first one occupies one of its few slots until it arrives, and loads wait for a slot,
 /// too.
 ///
 /// Nothing but the time of a later access changes. Does nothing where the processor cannot be asked.
-fn fetch<T>(value: &T) {
+pub(super) fn fetch(values: &[f64]) {
     #[cfg(target_arch = "x86_64")]
-    safe_arch::prefetch_t2(value);
+    values.iter().step_by(LINE).for_each(safe_arch::prefetch_t2);
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = value;
+    let _ = values;
 }

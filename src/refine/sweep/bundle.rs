@@ -1,0 +1,78 @@
+//! Masks of several functionals at regular points, which are summed together: each point that they share is loaded
+//! once.
+
+use multiversion::multiversion;
+
+use super::grid::at_least;
+
+/// The largest number of functionals in a bundle: a position and two tangents.
+pub(super) const FUNCTIONALS: usize = 3;
+
+/// Number of values that are summed at a time: two of the widest registers for each functional. With half of it weights
+/// are loaded twice as often; twice of it takes all registers of smaller ones.
+pub(super) const SUMS_AT_A_TIME: usize = 16;
+
+/// The masks of up to [`FUNCTIONALS`] functionals over one array.
+#[derive(Debug)]
+pub(super) struct Bundle {
+    /// The weight of each functional and the distance of the value that is weighted.
+    terms: Vec<([f64; FUNCTIONALS], isize)>,
+    /// Number of functionals.
+    n: usize,
+}
+
+impl Bundle {
+    /// Bundles masks, each a list of weights and distances; each sum keeps the order of its terms.
+    pub(super) fn new(masks: &[Vec<(f64, isize)>]) -> Self {
+        let mut terms: Vec<([f64; FUNCTIONALS], isize)> = Vec::new();
+        for (functional, mask) in masks.iter().enumerate() {
+            let mut next = 0;
+            for &(weight, distance) in mask {
+                let shared = terms[next..].iter().position(|term| term.1 == distance);
+                let at = shared.map_or(terms.len(), |ahead| next + ahead);
+                if at == terms.len() {
+                    terms.push(([0.0; FUNCTIONALS], distance));
+                }
+                terms[at].0[functional] = weight;
+                next = at + 1;
+            }
+        }
+        Self { terms, n: masks.len() }
+    }
+
+    /// Sets the first `len` values of each row to the sums at consecutive places of `source` from `first` on. Also
+    /// computes up to [`SUMS_AT_A_TIME`] sums beyond, which mean nothing.
+    pub(super) fn sums(&self, rows: &mut [Vec<f64>; FUNCTIONALS], len: usize, source: &[f64], first: usize) {
+        let len = len.next_multiple_of(SUMS_AT_A_TIME);
+        let [a, b, c] = rows.each_mut().map(|row| {
+            at_least(row, len);
+            &mut row[..len]
+        });
+        match self.n {
+            1 => sums([a], source, first, &self.terms),
+            2 => sums([a, b], source, first, &self.terms),
+            _ => sums([a, b, c], source, first, &self.terms),
+        }
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
+fn sums<const N: usize>(rows: [&mut [f64]; N], source: &[f64], first: usize, terms: &[([f64; FUNCTIONALS], isize)]) {
+    for start in (0..rows[0].len()).step_by(SUMS_AT_A_TIME) {
+        let mut sums = [[-0.0; SUMS_AT_A_TIME]; N];
+        for (weights, distance) in terms {
+            let values = &source[(first + start).wrapping_add_signed(*distance)..][..SUMS_AT_A_TIME];
+            for f in 0..N {
+                // a functional without the term does not add zero, which could change the sign of a sum that is zero
+                if weights[f] != 0.0 {
+                    for k in 0..SUMS_AT_A_TIME {
+                        sums[f][k] += weights[f] * values[k];
+                    }
+                }
+            }
+        }
+        for f in 0..N {
+            rows[f][start..start + SUMS_AT_A_TIME].copy_from_slice(&sums[f]);
+        }
+    }
+}
