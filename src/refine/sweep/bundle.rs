@@ -61,7 +61,8 @@ fn sums<const N: usize>(rows: [&mut [f64]; N], source: &[f64], first: usize, ter
     for start in (0..rows[0].len()).step_by(SUMS_AT_A_TIME) {
         let mut sums = [[-0.0; SUMS_AT_A_TIME]; N];
         for (weights, distance) in terms {
-            let values = &source[(first + start).wrapping_add_signed(*distance)..][..SUMS_AT_A_TIME];
+            let mut values = [0.0; SUMS_AT_A_TIME];
+            values.copy_from_slice(&source[(first + start).wrapping_add_signed(*distance)..][..SUMS_AT_A_TIME]);
             for f in 0..N {
                 // a functional without the term does not add zero, which could change the sign of a sum that is zero
                 if weights[f] != 0.0 {
@@ -73,6 +74,36 @@ fn sums<const N: usize>(rows: [&mut [f64]; N], source: &[f64], first: usize, ter
         }
         for f in 0..N {
             rows[f][start..start + SUMS_AT_A_TIME].copy_from_slice(&sums[f]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn masks() -> impl Strategy<Value = Vec<Vec<(f64, isize)>>> {
+        let term = (prop_oneof![Just(0.0), -2.0..2.0], -4_isize..=4);
+        prop::collection::vec(prop::collection::vec(term, 0..9), 1..=FUNCTIONALS)
+    }
+
+    proptest! {
+        /// Sums of a bundle are those of its masks, one by one: terms are added in the order of each mask, also where
+        /// masks name places in different orders or several times.
+        #[test]
+        fn sums_of_masks(masks in masks(), len in 1_usize..40, source in prop::collection::vec(-1.0..1.0, 80)) {
+            let mut rows = [const { Vec::new() }; FUNCTIONALS];
+            Bundle::new(&masks).sums(&mut rows, len, &source, 8);
+            for (mask, row) in masks.iter().zip(&rows) {
+                for (k, sum) in row[..len].iter().enumerate() {
+                    let value = |distance: isize| source[(8 + k).wrapping_add_signed(distance)];
+                    let terms = mask.iter().filter(|(weight, _)| *weight != 0.0);
+                    let alone = terms.fold(-0.0, |sum, &(weight, distance)| sum + weight * value(distance));
+                    prop_assert_eq!(sum.to_bits(), f64::to_bits(alone));
+                }
+            }
         }
     }
 }
