@@ -34,5 +34,5 @@ pub use refined::RefinedMesh;
 pub use seams::{refined_places, seam_net};
 pub use start::{carried, mesh_net, polygon_net};
 pub use streamed::{StreamedMesh, held_levels};
-pub(crate) use sweep::{Stencil, Stencils, TracedRows};
+pub(crate) use sweep::{Stencil, StencilReach, Stencils, TracedRows};
 pub use weighed::{documented, weigh_mesh, weigh_net, weigh_polygon};

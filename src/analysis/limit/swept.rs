@@ -14,7 +14,7 @@ use super::request::LimitRequest;
 use super::sector::Sectors;
 use super::vertex_parameters::CommonParameters;
 use super::walk::WholeNet;
-use crate::refine::{Program, RefinedMesh, Stencil, Stencils, TracedRows, mesh_net};
+use crate::refine::{Program, RefinedMesh, Stencil, StencilReach, Stencils, TracedRows, mesh_net};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::operator::Role;
 use crate::scheme::plan::{Plan, Scheduled};
@@ -86,17 +86,18 @@ fn stencils(
     let on_net = CycleOnNet::of(plan, &net, topology, ahead, watch)?;
     let rings = on_net.rings(Starts { is_open: topology.n_boundary() > 0, others: false })?;
     let smooth = smoothness(&on_net, rings.support, request.normals, watch)?;
-    if rings.support > 1 || on_net.surroundings.is_some() || (request.normals && smooth != ImpulseSmoothness::Smooth) {
+    if on_net.surroundings.is_some() || (request.normals && smooth != ImpulseSmoothness::Smooth) {
         return Ok(None);
     }
     let finder = Finder::new(&on_net.cycle, rings, request.normals);
     let small = SmallNets { rings, masks: Masks::new(&finder, CommonParameters::default()) };
+    let reach = StencilReach { points: rings.support, faces: rings.disc };
     let mut found = [None, None];
     if request.positions {
-        found[0] = sweep.stencils(plan, rings.disc, |net, v| small.position(net, v))?;
+        found[0] = sweep.stencils(plan, reach, |net, v| small.position(net, v))?;
     }
     if request.normals {
-        found[1] = sweep.stencils(plan, rings.disc, |net, v| small.tangents(net, v))?;
+        found[1] = sweep.stencils(plan, reach, |net, v| small.tangents(net, v))?;
     }
     let all = found[0].is_some() == request.positions && found[1].is_some() == request.normals;
     Ok(all.then_some(found))

@@ -91,7 +91,7 @@ struct BandBuffers<const W: usize> {
 impl<'a, const W: usize> BandRun<'a, W> {
     fn new(sweep: &'a Sweep, points: &'a [[f64; W]], wanted: &[(&'a Stencils, ValueRule<W>)]) -> Self {
         let evaluators: Vec<_> = wanted.iter().map(|&(of, rule)| PatchEvaluator::new(sweep, of, rule)).collect();
-        let stride = (sweep.patch_pieces() + 3).cast_signed();
+        let stride = evaluators.first().map_or(0, PatchEvaluator::stride).cast_signed();
         let term = |&([i, j], weight): &([isize; 2], f64)| (weight, (j * stride + i) * W.cast_signed());
         let masks = evaluators.iter().flat_map(|run| &run.stencils.regular.sectors[0]);
         let masks: Vec<Vec<_>> = masks.map(|mask| mask.iter().map(term).collect()).collect();
@@ -120,20 +120,26 @@ impl<'a, const W: usize> BandRun<'a, W> {
     fn band(&self, patch: usize, rows: &Range<usize>, buffers: &mut BandBuffers<W>, tasks: &mut [PatchRun<'_, W>]) {
         let BandBuffers { points, functionals, values } = buffers;
         let any = &self.evaluators[0];
-        let len = (ROWS_PER_BAND + 2) * (any.n + 3);
+        let len = any.band_points(ROWS_PER_BAND);
         at_least(points, len * W + SUMS_AT_A_TIME);
         values.resize_with(self.evaluators.len(), || vec![[0.0; W]; len]);
         let copy = |first: u32, out: &mut [[f64; W]]| out.copy_from_slice(&self.points[first as usize..][..out.len()]);
         any.gather(patch, rows, copy, points.as_chunks_mut().0);
+        let stars = self.evaluators.iter().zip(&mut *tasks);
+        let stars: Vec<_> = stars.map(|(run, task)| run.stars(patch, rows, self.points, &mut task.sides)).collect();
         for j in rows.clone() {
             let len = last(any.sweep.surface.tile, any.n, j) + 1;
             let start = any.at(rows.start, [0, j.cast_signed()]);
             self.bundle.sums(functionals, len * W, points, start * W);
             let mut functionals = functionals.each_mut().map(|row| row.as_chunks_mut().0).into_iter();
-            for ((run, task), values) in self.evaluators.iter().zip(&mut *tasks).zip(&mut *values) {
+            for (((run, task), values), stars) in self.evaluators.iter().zip(&mut *tasks).zip(&mut *values).zip(&stars)
+            {
                 let mut mine = functionals.by_ref().take(run.n_functionals());
                 let Some(row) = mine.next().map(|row| &mut row[..len]) else { continue };
                 (run.rule.of_all)(row, mine.next().map_or(&[], |second| &second[..len]));
+                for ([i, _], value) in stars.iter().filter(|([_, row], _)| *row == j.cast_signed()) {
+                    row[i.unsigned_abs()] = *value;
+                }
                 run.emit_row(patch, j, row, task);
                 let on_sides = if j == 0 || j == any.n { 1 } else { len.saturating_sub(1).max(1) };
                 for i in (0..len).step_by(on_sides) {
@@ -141,9 +147,9 @@ impl<'a, const W: usize> BandRun<'a, W> {
                 }
             }
         }
-        for ((run, task), values) in self.evaluators.iter().zip(tasks).zip(values) {
+        for (((run, task), values), stars) in self.evaluators.iter().zip(tasks).zip(values).zip(stars) {
             run.lines(patch, rows, points.as_chunks().0, (values, &mut task.sides));
-            run.stars(patch, rows, self.points, (values, &mut task.sides));
+            stars.into_iter().for_each(|(place, value)| values[run.at(rows.start, place)] = value);
             run.emit_sides(patch, rows, values, task);
         }
     }

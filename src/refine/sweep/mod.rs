@@ -36,6 +36,6 @@ mod window;
 pub(crate) use evaluate::PointValues;
 pub(crate) use patch_evaluator::ValueRule;
 pub(crate) use program::{Sweep, SweepOutline};
-pub(crate) use stencils::{Stencil, Stencils};
+pub(crate) use stencils::{Stencil, StencilReach, Stencils};
 pub(crate) use traced::TracedRows;
 pub(super) use window::OnDemand;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::lattice::{CornerFrame, LATTICE_AXES, axis, corner, last};
+use super::lattice::{CornerFrame, LATTICE_AXES, axis, last};
 use super::program::Sweep;
 use super::star::StarShape;
 use super::stencils::{Stencil, Stencils};
@@ -51,9 +51,20 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
         self.stencils.regular.sectors[0].len()
     }
 
+    /// Returns the number of points of a band's buffer: so many rows, with the points within reach around them.
+    pub(super) fn band_points(&self, rows: usize) -> usize {
+        (rows + 2 * self.stencils.reach) * self.stride()
+    }
+
+    /// Returns the number of points in a row of a band's buffer.
+    pub(super) fn stride(&self) -> usize {
+        self.n + 1 + 2 * self.stencils.reach
+    }
+
     /// Returns the index of a patch's place `[i, j]` in the buffers of a band whose first row is `first`.
     pub(super) fn at(&self, first: usize, [i, j]: [isize; 2]) -> usize {
-        (j - first.cast_signed() + 1).unsigned_abs() * (self.n + 3) + (i + 1).unsigned_abs()
+        let reach = self.stencils.reach.cast_signed();
+        (j - first.cast_signed() + reach).unsigned_abs() * self.stride() + (i + reach).unsigned_abs()
     }
 
     /// Returns the steps along a side, from the first to the last, for which the place lies in `rows`; `start` is the
@@ -67,13 +78,12 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
         }
     }
 
-    /// Gathers entries for the points in `rows` and in the rows next to them; `fill` fills a slice with those of
+    /// Gathers entries for the points in `rows` and within reach around them; `fill` fills a slice with those of
     /// consecutive points from its first argument on.
     pub(super) fn gather<T>(&self, patch: usize, rows: &Range<usize>, fill: impl Fn(u32, &mut [T]), buffer: &mut [T]) {
         let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
-        let tile = surface.tile;
-        let reach = rows.start.cast_signed() - 1..rows.end.cast_signed() + 1;
-        for j in rows.start.saturating_sub(1).max(1)..(rows.end + 1).min(n) {
+        let (tile, reach) = (surface.tile, self.stencils.reach);
+        for j in rows.start.saturating_sub(reach).max(1)..(rows.end + reach).min(n) {
             let len = last(tile, n, j).saturating_sub(1);
             if len > 0 {
                 let place = [1, j.cast_signed()];
@@ -81,14 +91,16 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
                 fill(first, &mut buffer[at..at + len]);
             }
         }
+        let reach = reach.cast_signed();
+        let wanted = rows.start.cast_signed() - reach..rows.end.cast_signed() + reach;
         let mut put = |place: [isize; 2], v: u32| {
-            if reach.contains(&place[1]) {
+            if wanted.contains(&place[1]) {
                 fill(v, std::slice::from_mut(&mut buffer[self.at(rows.start, place)]));
             }
         };
         for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
             let frame = CornerFrame::new(tile, n, side, 0);
-            for steps in self.steps(frame.along(), frame.corner()[1], &reach) {
+            for steps in self.steps(frame.along(), frame.corner()[1], &wanted) {
                 let place = frame.place([steps, 0]);
                 put(place, order.vertex(patch, place));
             }
@@ -96,15 +108,18 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
             if twin != NONE {
                 let (neighbour, its) = surface.side(twin);
                 let there = CornerFrame::new(tile, n, its, 0);
-                for steps in self.steps(frame.along(), frame.place([0, -1])[1], &reach) {
-                    let across = there.place([n.cast_signed() - steps, 1]);
-                    if steps.unsigned_abs() >= n - last(tile, n, 1) {
-                        put(frame.place([steps, -1]), order.vertex(neighbour, across));
+                for depth in 1..=reach {
+                    let shorter = n - last(tile, n, depth.unsigned_abs());
+                    for steps in self.steps(frame.along(), frame.place([0, -depth])[1], &wanted) {
+                        if steps.unsigned_abs() >= shorter {
+                            let across = there.place([n.cast_signed() - steps, depth]);
+                            put(frame.place([steps, -depth]), order.vertex(neighbour, across));
+                        }
                     }
                 }
             }
             if surface.kind_of(surface.patches.vertex(half_edge) as usize).is_none() {
-                surface.gather_across(order, half_edge, [n, 1], &mut put);
+                surface.gather_across(order, half_edge, [n, self.stencils.reach], &mut put);
             }
         }
     }
@@ -165,31 +180,56 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
         }
     }
 
-    /// Evaluates the corners of the patch around which the grid is not regular.
+    /// Calls `at` for the points in some rows that are too near to a corner around which the grid is not regular, with
+    /// the half-edge that starts at the corner, the place of the point, its stencil, and the points of the star around
+    /// the corner.
+    pub(super) fn near_stars(
+        &self,
+        patch: usize,
+        rows: &Range<usize>,
+        mut at: impl FnMut(u32, [isize; 2], &Stencil<usize>, &[u32]),
+    ) {
+        let (surface, n, Stencils { reach, near, .. }) = (&self.sweep.surface, self.n, self.stencils);
+        let tile = surface.tile;
+        for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
+            let v = surface.patches.vertex(half_edge) as usize;
+            let Some(kind) = surface.kind_of(v) else { continue };
+            let frame = CornerFrame::new(tile, n, side, 0);
+            let shape = &surface.kinds[kind];
+            let shape = |reach: usize| StarShape { tile, faces: shape.faces, closed: shape.closed, reach };
+            let own = surface.patches.ring(v).position(|ring| ring == half_edge).unwrap_or(0);
+            let mut star = Vec::new();
+            for place in (0..=*near).flat_map(|a| (0..=last(tile, *near, a)).map(move |b| [a, b])) {
+                let here = frame.place(place.map(usize::cast_signed));
+                if rows.contains(&here[1].unsigned_abs()) {
+                    if star.is_empty() {
+                        surface.gather_star(&self.sweep.orders[1], v, shape(near + reach), n, |point| star.push(point));
+                    }
+                    at(half_edge, here, &self.stencils.stars[kind][shape(*near).point(own, place)], &star);
+                }
+            }
+        }
+    }
+
+    /// Evaluates the points near corners around which the grid is not regular; returns their places and values.
     pub(super) fn stars(
         &self,
         patch: usize,
         rows: &Range<usize>,
         points: &[[f64; W]],
-        (values, sides): (&mut [[f64; W]], &mut Vec<SideValue<W>>),
-    ) {
-        let surface = &self.sweep.surface;
-        for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
-            let v = surface.patches.vertex(half_edge) as usize;
-            let place = corner(surface.tile, self.n, side);
-            let Some(kind) = surface.kind_of(v).filter(|_| rows.contains(&place[1].unsigned_abs())) else { continue };
-            let shape = &surface.kinds[kind];
-            let shape = StarShape { tile: surface.tile, faces: shape.faces, closed: shape.closed, reach: 1 };
-            let mut star = Vec::with_capacity(shape.len());
-            surface.gather_star(&self.sweep.orders[1], v, shape, self.n, |point| star.push(point));
-            let stencil = &self.stencils.stars[kind];
+        sides: &mut Vec<SideValue<W>>,
+    ) -> Vec<([isize; 2], [f64; W])> {
+        let mut found = Vec::new();
+        self.near_stars(patch, rows, |half_edge, place, stencil, star| {
             let (value, sectors) = self.values(stencil, |point| points[star[point] as usize]);
-            values[self.at(rows.start, place)] = value;
-            if !sectors.is_empty() && surface.patches.ring_start(v) == half_edge {
+            found.push((place, value));
+            let patches = &self.sweep.surface.patches;
+            if !sectors.is_empty() && patches.ring_start(patches.vertex(half_edge) as usize) == half_edge {
                 let beside = |&(point, sector): &(usize, usize)| ([star[0], star[point]], sectors[sector]);
                 sides.extend(stencil.sides.iter().map(beside));
             }
-        }
+        });
+        found
     }
 
     /// Writes the values of a row inside the patch to their places in the documented order.

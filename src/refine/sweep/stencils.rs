@@ -1,13 +1,14 @@
 //! Stencils of values at refined points over the points next to them, read off small nets.
 
-use super::lattice::sector;
+use super::lattice::is_within;
 use super::line::SharpSide;
 use super::program::Sweep;
 use super::sample::Sample;
-use super::star::{StarMesh, StarShape};
+use super::star::{StarKind, StarMesh, StarShape};
 use crate::scheme::mesh_net::MeshNet;
 use crate::scheme::plan::Plan;
 use crate::shape::tile::Tile;
+use crate::shape::topology::index;
 
 /// A stencil of the value at a point: each sector around the point has functionals, and each functional is a weighted
 /// sum of points.
@@ -19,15 +20,30 @@ pub(crate) struct Stencil<P> {
     pub(crate) sides: Vec<(P, usize)>,
 }
 
+/// How far the value at a point depends on the net around it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct StencilReach {
+    /// Number of rings of points with weights.
+    pub(crate) points: usize,
+    /// Number of rings of faces whose arrangement decides the weights.
+    pub(crate) faces: usize,
+}
+
 /// The stencils of the points of a refined net.
 #[derive(Debug)]
 pub(crate) struct Stencils {
+    /// Number of rings of points that stencils reach.
+    pub(super) reach: usize,
+    /// Number of rings around a vertex where the grid is not regular, beyond the vertex itself, whose points have
+    /// stencils of their own.
+    pub(super) near: usize,
     /// The stencil where the grid is regular, over places relative to the point.
     pub(super) regular: Stencil<[isize; 2]>,
     /// For each line the stencils along each axis, or `None` where the line is smooth by then.
     pub(super) lines: Vec<Option<Vec<Stencil<[isize; 2]>>>>,
-    /// For each kind of star the stencil of its vertex, over the points of a star that is one cell wide.
-    pub(super) stars: Vec<Stencil<usize>>,
+    /// For each kind of star the stencils of the points of the star with `near` cells around its vertex, over the points
+    /// of the star with `near + reach` cells.
+    pub(super) stars: Vec<Vec<Stencil<usize>>>,
 }
 
 impl<P> Stencil<P> {
@@ -47,51 +63,90 @@ impl<P> Stencil<P> {
 
 impl Sweep {
     /// Returns the stencils of the points where the sweep ends. `find` returns the stencil of a vertex of a small net
-    /// that is uniform for `rings` rings around the vertex. Returns `None` if `find` does, or if a stencil reaches
-    /// beyond the points next to its own.
+    /// that is uniform for one ring more than `reach.faces` around the vertex. Returns `None` if `find` does, if a
+    /// stencil reaches farther than `reach.points`, if patches are too small for it, or if it looks farther than the
+    /// next points on triangles or beside a line.
     pub(crate) fn stencils<E>(
         &self,
         plan: &Plan,
-        rings: usize,
+        reach: StencilReach,
         find: impl Fn(&MeshNet, u32) -> Result<Option<Stencil<u32>>, E>,
     ) -> Result<Option<Stencils>, E> {
-        let (tile, rounds) = (self.tile(), self.n_rounds());
+        let tile = self.tile();
+        // where only the next points have weights, sharp edges alone make points beside a vertex special
+        let near = if reach.points == 1 { 0 } else { reach.faces.saturating_sub(1) };
+        let n = self.patch_pieces();
+        if 2 * near >= n || near + reach.points > n || (reach.points > 1 && tile == Tile::Triangle) {
+            return Ok(None);
+        }
         let on_grid = |line: Option<(SharpSide, usize)>| {
-            let sample = Sample::new(tile, line, rings + 1);
-            let near = |v: u32| Some(sample.off_middle(v)).filter(|place| place.iter().all(|x| x.abs() <= 1));
+            let sample = Sample::new(tile, line, reach.faces + 1);
+            let most = reach.points.cast_signed();
+            let name = |v: u32| Some(sample.off_middle(v)).filter(|place| place.iter().all(|x| x.abs() <= most));
             let found = find(&sample.net(plan), sample.middle());
-            found.map(|found| found.and_then(|stencil| stencil.named(near)))
+            found.map(|found| found.and_then(|stencil| stencil.named(name)))
         };
         let Some(regular) = on_grid(None)? else { return Ok(None) };
-        let axes = if tile == Tile::Quad { 2 } else { 3 };
+        let Some(lines) = self.line_stencils(reach, on_grid)? else { return Ok(None) };
+        let mut stars = Vec::new();
+        for kind in &self.surface.kinds {
+            let Some(of_kind) = self.star_stencils(&kind.after(self.n_rounds()), plan, (reach, near), &find)? else {
+                return Ok(None);
+            };
+            stars.push(of_kind);
+        }
+        Ok(Some(Stencils { reach: reach.points, near, regular, lines, stars }))
+    }
+
+    /// Returns the stencils along the lines that are still sharp; `None` if one is missing.
+    fn line_stencils<E>(
+        &self,
+        reach: StencilReach,
+        on_grid: impl Fn(Option<(SharpSide, usize)>) -> Result<Option<Stencil<[isize; 2]>>, E>,
+    ) -> Result<Option<Vec<Option<Vec<Stencil<[isize; 2]>>>>>, E> {
+        let axes = if self.tile() == Tile::Quad { 2 } else { 3 };
         let mut lines = Vec::new();
         for line in &self.surface.lines {
             let line = line.filter(|line| *line != SharpSide::Boundary || self.surface.base.n_boundary() > 0);
-            let Some(line) = line.and_then(|line| line.after(rounds)) else {
+            let Some(line) = line.and_then(|line| line.after(self.n_rounds())) else {
                 lines.push(None);
                 continue;
             };
+            if reach.points > 1 {
+                return Ok(None);
+            }
             let along: Option<Vec<_>> = (0..axes).map(|axis| on_grid(Some((line, axis)))).collect::<Result<_, E>>()?;
             let Some(along) = along else { return Ok(None) };
             lines.push(Some(along));
         }
-        let mut stars = Vec::new();
-        for kind in &self.surface.kinds {
-            let kind = kind.after(rounds);
-            let Some(disc) = StarMesh::new(&kind, tile, rings + 1) else { return Ok(None) };
-            let near = StarShape { tile, faces: kind.faces, closed: kind.closed, reach: 1 };
-            let places: Vec<(usize, [usize; 2])> = disc.shape().points().collect();
-            let is_near =
-                |place: [usize; 2]| place == [0, 0] || place == [0, 1] || sector(tile, 1).any(|at| at == place);
-            let name = |v: u32| {
-                let (face, place) = places[v as usize];
-                is_near(place).then(|| near.point(face, place))
-            };
-            let Some(stencil) = find(&disc.net(&kind, plan), 0)?.and_then(|stencil| stencil.named(name)) else {
-                return Ok(None);
-            };
-            stars.push(stencil);
+        Ok(Some(lines))
+    }
+
+    /// Returns the stencils of the points of a star with `near` cells around its vertex; `None` if one is missing.
+    fn star_stencils<E>(
+        &self,
+        kind: &StarKind,
+        plan: &Plan,
+        (reach, near): (StencilReach, usize),
+        find: &impl Fn(&MeshNet, u32) -> Result<Option<Stencil<u32>>, E>,
+    ) -> Result<Option<Vec<Stencil<usize>>>, E> {
+        let tile = self.tile();
+        let Some(disc) = StarMesh::new(kind, tile, near + reach.faces + 1) else { return Ok(None) };
+        let shape = |reach: usize| StarShape { tile, faces: kind.faces, closed: kind.closed, reach };
+        let wide = shape(near + reach.points);
+        let places: Vec<(usize, [usize; 2])> = disc.shape().points().collect();
+        let name = |v: u32| {
+            let (face, place) = places[v as usize];
+            let is_near = is_within(tile, wide.reach.cast_signed(), 0, place.map(usize::cast_signed));
+            is_near.then(|| wide.point(face, place))
+        };
+        let net = disc.net(kind, plan);
+        let mut found = Vec::new();
+        for (face, place) in shape(near).points() {
+            let v = index(disc.shape().point(face, place));
+            let Some(stencil) = find(&net, v)?.and_then(|stencil| stencil.named(name)) else { return Ok(None) };
+            found.push(stencil);
         }
-        Ok(Some(Stencils { regular, lines, stars }))
+        Ok(Some(found))
     }
 }

@@ -2,10 +2,9 @@
 
 use std::ops::Range;
 
-use super::lattice::{CornerFrame, LATTICE_AXES, axis, corner, last};
+use super::lattice::{CornerFrame, LATTICE_AXES, axis, last};
 use super::patch_evaluator::{PatchEvaluator, ROWS_PER_BAND, ValueRule};
 use super::program::Sweep;
-use super::star::StarShape;
 use super::stencils::{Stencil, Stencils};
 use crate::math::rows::Rows;
 use crate::shape::topology::NONE;
@@ -37,7 +36,7 @@ impl Sweep {
         let (vertices, rest) = found.split_at_mut(base.n_vertices());
         let run = PatchEvaluator::new(self, stencils, UNUSED_RULE);
         let mut trace = RowTrace { sweep: self, run: &run, stencils, rows: Rows::default(), entries: Vec::new() };
-        let len = (ROWS_PER_BAND + 2) * (run.n + 3);
+        let len = run.band_points(ROWS_PER_BAND);
         let (mut points, mut numbers) = (vec![NONE; len], vec![[0.0]; len]);
         for mut task in self.tasks(rest) {
             for patch in task.patches.clone() {
@@ -119,15 +118,8 @@ impl RowTrace<'_> {
                 numbers[run.at(rows.start, here)] = self.add(stencil, |by| place(here, by.map(|x| turn * x)));
             }
         }
-        for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
-            let v = surface.patches.vertex(half_edge) as usize;
-            let here = corner(surface.tile, n, side);
-            let Some(kind) = surface.kind_of(v).filter(|_| reach.contains(&here[1])) else { continue };
-            let shape = &surface.kinds[kind];
-            let shape = StarShape { tile: surface.tile, faces: shape.faces, closed: shape.closed, reach: 1 };
-            let mut star = Vec::with_capacity(shape.len());
-            surface.gather_star(&self.sweep.orders[1], v, shape, n, |point| star.push(point));
-            numbers[run.at(rows.start, here)] = self.add(&self.stencils.stars[kind], |point| star[point]);
-        }
+        run.near_stars(patch, rows, |_, here, stencil, star| {
+            numbers[run.at(rows.start, here)] = self.add(stencil, |point| star[point]);
+        });
     }
 }
