@@ -25,7 +25,7 @@ use crate::shape::creases::INFINITE_SHARPNESS;
 use crate::shape::tile::Tile;
 
 /// The version of the results, raised whenever the bytes of any artifact change.
-pub const RESULTS_VERSION: u32 = 18;
+pub const RESULTS_VERSION: u32 = 19;
 
 /// Identity of an artifact, a job or a content: a BLAKE3 hash, written as 64 lowercase hexadecimal digits.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

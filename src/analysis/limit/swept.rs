@@ -23,7 +23,8 @@ use crate::watch::Watch;
 
 /// Refines a mesh patch by patch and computes the requested parts of its limit; `ahead` are the steps that would refine
 /// it further. Returns `None` if this is not possible: the mesh must be refined patch by patch, the limit of a point
-/// must depend on the faces at it only, and every vertex with faces must have a normal if normals are requested.
+/// must depend on few points around it and, on triangles and beside sharp edges and boundaries, on the next ones only,
+/// and every vertex with faces must have a normal if normals are requested.
 ///
 /// # Errors
 /// [`LimitError`] if the refinement fails or is stopped.

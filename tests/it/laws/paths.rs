@@ -281,6 +281,27 @@ fn limits_and_normals_of_patches_are_those_of_whole_nets() {
 }
 
 #[test]
+fn limits_that_look_farther_are_those_of_whole_nets() {
+    let circles = json!({ "alpha": "pi/6", "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "delta": 0.5 });
+    let circles = json!({ "preset": "push-back", "parameters": circles });
+    for plan in [circles.clone(), static_word("UCCP"), word("UCC"), semi_stationary("UCP", "pi/3", 0.5)] {
+        for net in [nets::cube(), nets::torus(3, 4), nets::prism(5), nets::mixed()] {
+            let channel = json!({ "channels": { "heat": (0..net.positions.len()).collect::<Vec<_>>() } });
+            assert!(compare_limits(&net, &channel, &plan, 5), "{plan}");
+        }
+        // too small patches, boundaries and creases
+        for levels in 1..4 {
+            compare_limits(&nets::prism(5), &json!({}), &plan, levels);
+        }
+        compare_limits(&nets::grid(3, 2), &json!({}), &plan, 4);
+        let sharp = [[0, 1], [1, 3], [3, 2]].map(|edge| json!({ "edge": edge, "sharpness": 10 }));
+        compare_limits(&nets::cube(), &json!({ "creases": sharp }), &plan, 4);
+    }
+    // patches that are evaluated in several bands of rows
+    assert!(compare_limits(&nets::cube(), &json!({}), &circles, 6));
+}
+
+#[test]
 fn texture_coordinates_are_swept_to_the_bits_of_whole_nets() {
     for net in [nets::cube(), nets::grid(4, 3), nets::mixed()] {
         // every other face is separated by a seam
