@@ -91,7 +91,7 @@ fn stencils(
         return Ok(None);
     }
     let finder = Finder::new(&on_net.cycle, rings, request.normals);
-    let small = SmallNets { rings, masks: Masks::new(&finder, CommonParameters::default()) };
+    let small = SmallNets { rings, masks: Masks::new(&finder, CommonParameters::default()), watch };
     let reach = StencilReach { points: rings.support, faces: rings.disc };
     let mut found = [None, None];
     if request.positions {
@@ -111,6 +111,7 @@ type Weighed = (Arc<LimitMask>, Vec<u32>);
 struct SmallNets<'a> {
     rings: RingCount,
     masks: Masks<'a>,
+    watch: &'a Watch,
 }
 
 impl SmallNets<'_> {
@@ -120,6 +121,7 @@ impl SmallNets<'_> {
     /// # Errors
     /// [`Unlimited::Stopped`].
     fn mask(&self, net: &MeshNet, v: u32) -> Result<Option<Weighed>, Unlimited> {
+        self.watch.check()?;
         let whole = WholeNet::of(net, &net.mesh.base);
         let Some(found) = whole.disc(Centre::Vertex(v), self.rings) else { return Ok(None) };
         match self.masks.of(0, &found.disc) {

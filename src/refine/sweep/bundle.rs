@@ -23,6 +23,9 @@ pub(super) struct Bundle {
 
 impl Bundle {
     /// Bundles masks, each a list of weights and distances; each sum keeps the order of its terms.
+    ///
+    /// # Panics
+    /// If there are more than [`FUNCTIONALS`] masks.
     pub(super) fn new(masks: &[Vec<(f64, isize)>]) -> Self {
         let mut terms: Vec<([f64; FUNCTIONALS], isize)> = Vec::new();
         for (functional, mask) in masks.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Evaluates stencils at refined points: limit positions and normals from the points next to each one.
+//! Evaluates stencils at refined points: limit positions and normals from the points around each one.
 
 use std::ops::Range;
 
@@ -33,7 +33,8 @@ impl Sweep {
     /// [`Stopped`] when the watch says so.
     ///
     /// # Panics
-    /// If the number of points differs from that of the net where the sweep ends.
+    /// If the number of points differs from that of the net where the sweep ends, if stencils differ in their reach, or
+    /// if there are more than [`FUNCTIONALS`] functionals.
     pub(crate) fn evaluate<const W: usize>(
         &self,
         points: &[f64],
@@ -68,10 +69,10 @@ impl Sweep {
     }
 }
 
-/// The data that the evaluation of all bands shares.
+/// What is evaluated at the points of each band: several values, in one pass.
 struct BandRun<'a, const W: usize> {
     points: &'a [[f64; W]],
-    /// The evaluators; there is at least one.
+    /// An evaluator for each value, all of one reach; there is at least one if there are tasks.
     evaluators: Vec<PatchEvaluator<'a, W>>,
     /// The regular masks of the functionals of all evaluators, over the buffer of a band.
     bundle: Bundle,
@@ -80,7 +81,7 @@ struct BandRun<'a, const W: usize> {
 /// The buffers of one thread.
 #[derive(Default)]
 struct BandBuffers<const W: usize> {
-    /// The points of a band, with one more row on each side and one more column at each end.
+    /// The points of a band, with those within reach around them.
     points: Vec<f64>,
     /// The functionals of a row.
     functionals: [Vec<f64>; FUNCTIONALS],
@@ -93,6 +94,7 @@ impl<'a, const W: usize> BandRun<'a, W> {
         let evaluators: Vec<_> = wanted.iter().map(|&(of, rule)| PatchEvaluator::new(sweep, of, rule)).collect();
         let stride = evaluators.first().map_or(0, PatchEvaluator::stride).cast_signed();
         let term = |&([i, j], weight): &([isize; 2], f64)| (weight, (j * stride + i) * W.cast_signed());
+        assert!(evaluators.iter().all(|run| run.stride() == evaluators[0].stride()), "stencils differ in their reach");
         let masks = evaluators.iter().flat_map(|run| &run.stencils.regular.sectors[0]);
         let masks: Vec<Vec<_>> = masks.map(|mask| mask.iter().map(term).collect()).collect();
         Self { points, bundle: Bundle::new(&masks), evaluators }
@@ -111,7 +113,7 @@ impl<'a, const W: usize> BandRun<'a, W> {
                 watch.check()?;
                 self.band(patch, &(first..(first + ROWS_PER_BAND).min(n + 1)), buffers, &mut tasks);
             }
-            watch.advance((n * n) as u64);
+            watch.advance((n * n * self.evaluators.len()) as u64);
         }
         Ok(tasks)
     }
@@ -119,17 +121,17 @@ impl<'a, const W: usize> BandRun<'a, W> {
     /// Evaluates the points in some rows of a patch.
     fn band(&self, patch: usize, rows: &Range<usize>, buffers: &mut BandBuffers<W>, tasks: &mut [PatchRun<'_, W>]) {
         let BandBuffers { points, functionals, values } = buffers;
-        let any = &self.evaluators[0];
-        let len = any.band_points(ROWS_PER_BAND);
+        let grid = &self.evaluators[0];
+        let len = grid.band_points(ROWS_PER_BAND);
         at_least(points, len * W + SUMS_AT_A_TIME);
         values.resize_with(self.evaluators.len(), || vec![[0.0; W]; len]);
         let copy = |first: u32, out: &mut [[f64; W]]| out.copy_from_slice(&self.points[first as usize..][..out.len()]);
-        any.gather(patch, rows, copy, points.as_chunks_mut().0);
+        grid.gather(patch, rows, copy, points.as_chunks_mut().0);
         let stars = self.evaluators.iter().zip(&mut *tasks);
         let stars: Vec<_> = stars.map(|(run, task)| run.stars(patch, rows, self.points, &mut task.sides)).collect();
         for j in rows.clone() {
-            let len = last(any.sweep.surface.tile, any.n, j) + 1;
-            let start = any.at(rows.start, [0, j.cast_signed()]);
+            let len = last(grid.sweep.surface.tile, grid.n, j) + 1;
+            let start = grid.at(rows.start, [0, j.cast_signed()]);
             self.bundle.sums(functionals, len * W, points, start * W);
             let mut functionals = functionals.each_mut().map(|row| row.as_chunks_mut().0).into_iter();
             for (((run, task), values), stars) in self.evaluators.iter().zip(&mut *tasks).zip(&mut *values).zip(&stars)
@@ -141,8 +143,9 @@ impl<'a, const W: usize> BandRun<'a, W> {
                     row[i.unsigned_abs()] = *value;
                 }
                 run.emit_row(patch, j, row, task);
-                let on_sides = if j == 0 || j == any.n { 1 } else { len.saturating_sub(1).max(1) };
-                for i in (0..len).step_by(on_sides) {
+                // only values on the sides of the patch are needed later
+                let step = if j == 0 || j == grid.n { 1 } else { len.saturating_sub(1).max(1) };
+                for i in (0..len).step_by(step) {
                     values[start + i] = row[i];
                 }
             }

@@ -15,8 +15,8 @@ use crate::shape::topology::NONE;
 /// cache.
 pub(super) const ROWS_PER_BAND: usize = 32;
 
-/// Number of rows after which the memory that is asked for is written. With half of it, rows of coarse levels arrive too
-/// late; twice of it makes no measurable difference.
+/// Number of rows after which the memory that is asked for is written. With half of it, rows of coarse levels arrive
+/// too late; twice of it makes no measurable difference.
 const ROWS_AHEAD: usize = 2;
 
 /// How the functionals at a point are combined into its value.
@@ -32,7 +32,7 @@ pub(crate) struct ValueRule<const W: usize> {
     pub(crate) alone: fn([f64; W]) -> [f64; W],
 }
 
-/// The data that the evaluation of all patches shares.
+/// Evaluates one value of the points of patches.
 pub(super) struct PatchEvaluator<'a, const W: usize> {
     pub(super) sweep: &'a Sweep,
     pub(super) stencils: &'a Stencils,
@@ -154,7 +154,7 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
         (values, sides): (&mut [[f64; W]], &mut Vec<SideValue<W>>),
     ) {
         let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
-        let reach = rows.start.cast_signed()..rows.end.cast_signed();
+        let wanted = rows.start.cast_signed()..rows.end.cast_signed();
         for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
             let Some(line) = surface.line(half_edge) else { continue };
             let Some(along) = &self.stencils.lines[line] else { continue };
@@ -164,7 +164,7 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
             // backwards
             let turn = if frame.along() == LATTICE_AXES[axis(surface.tile, side)] { 1 } else { -1 };
             let owned = surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge;
-            for steps in self.steps(frame.along(), frame.corner()[1], &reach) {
+            for steps in self.steps(frame.along(), frame.corner()[1], &wanted) {
                 let place = frame.place([steps, 0]);
                 let near = |[i, j]: [isize; 2]| [place[0] + turn * i, place[1] + turn * j];
                 let (value, sectors) = self.values(stencil, |offset| grid[self.at(rows.start, near(offset))]);
@@ -180,14 +180,14 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
         }
     }
 
-    /// Calls `at` for the points in some rows that are too near to a corner around which the grid is not regular, with
-    /// the half-edge that starts at the corner, the place of the point, its stencil, and the points of the star around
-    /// the corner.
+    /// Calls `visit` for the points in some rows that are too near to a corner around which the grid is not regular,
+    /// with the half-edge that starts at the corner, the place of the point, its stencil, and the points of the star
+    /// around the corner.
     pub(super) fn near_stars(
         &self,
         patch: usize,
         rows: &Range<usize>,
-        mut at: impl FnMut(u32, [isize; 2], &Stencil<usize>, &[u32]),
+        mut visit: impl FnMut(u32, [isize; 2], &Stencil<usize>, &[u32]),
     ) {
         let (surface, n, Stencils { reach, near, .. }) = (&self.sweep.surface, self.n, self.stencils);
         let tile = surface.tile;
@@ -205,7 +205,7 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
                     if star.is_empty() {
                         surface.gather_star(&self.sweep.orders[1], v, shape(near + reach), n, |point| star.push(point));
                     }
-                    at(half_edge, here, &self.stencils.stars[kind][shape(*near).point(own, place)], &star);
+                    visit(half_edge, here, &self.stencils.stars[kind][shape(*near).point(own, place)], &star);
                 }
             }
         }
@@ -252,12 +252,12 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
         task: &mut PatchRun<'_, W>,
     ) {
         let (order, surface, n) = (&self.sweep.orders[1], &self.sweep.surface, self.n);
-        let reach = rows.start.cast_signed()..rows.end.cast_signed();
+        let wanted = rows.start.cast_signed()..rows.end.cast_signed();
         for (side, half_edge) in surface.patches.half_edges(patch).enumerate() {
             let frame = CornerFrame::new(surface.tile, n, side, 0);
             let owned = surface.patches.halves(surface.patches.edge(half_edge) as usize)[0] == half_edge;
             let corner = surface.patches.vertex(half_edge) as usize;
-            for steps in self.steps(frame.along(), frame.corner()[1], &reach) {
+            for steps in self.steps(frame.along(), frame.corner()[1], &wanted) {
                 let place = frame.place([steps, 0]);
                 let value = values[self.at(rows.start, place)];
                 let is_inner = (1..n.cast_signed()).contains(&steps);
@@ -265,12 +265,15 @@ impl<'a, const W: usize> PatchEvaluator<'a, W> {
                     continue;
                 }
                 let v = order.vertex(patch, place);
-                task.has_zero |= is_zero(&value);
-                if is_inner || v as usize >= surface.base.n_vertices() {
-                    task.places(v as usize, 1).into_iter().flatten().for_each(|place| *place = value);
+                let is_kept = if is_inner || v as usize >= surface.base.n_vertices() {
+                    task.places(v as usize, 1).map(|place| place.fill(value)).is_some()
                 } else if surface.patches.ring_start(corner) == half_edge {
                     task.vertices.push((v, value));
-                }
+                    true
+                } else {
+                    false
+                };
+                task.has_zero |= is_kept && is_zero(&value);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Stencils of values at refined points over the points next to them, read off small nets.
+//! Stencils of values at refined points over the points around them, read off small nets.
 
 use super::lattice::is_within;
 use super::line::SharpSide;
@@ -19,6 +19,11 @@ pub(crate) struct Stencil<P> {
     /// The points that follow the point in its faces, with the sectors of these faces.
     pub(crate) sides: Vec<(P, usize)>,
 }
+
+/// The largest number of weights of the stencils near the stars of a sweep: 50 MB for a position and two tangents. They
+/// grow with the square of the number of faces around a vertex, here up to some forty under the widest words in use;
+/// with half of it up to some thirty, with twice of it up to some sixty.
+const MOST_STAR_WEIGHTS: usize = 1 << 20;
 
 /// How far the value at a point depends on the net around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,8 +46,8 @@ pub(crate) struct Stencils {
     pub(super) regular: Stencil<[isize; 2]>,
     /// For each line the stencils along each axis, or `None` where the line is smooth by then.
     pub(super) lines: Vec<Option<Vec<Stencil<[isize; 2]>>>>,
-    /// For each kind of star the stencils of the points of the star with `near` cells around its vertex, over the points
-    /// of the star with `near + reach` cells.
+    /// For each kind of star the stencils of the points of the star with `near` cells around its vertex, over the
+    /// points of the star with `near + reach` cells.
     pub(super) stars: Vec<Vec<Stencil<usize>>>,
 }
 
@@ -64,8 +69,8 @@ impl<P> Stencil<P> {
 impl Sweep {
     /// Returns the stencils of the points where the sweep ends. `find` returns the stencil of a vertex of a small net
     /// that is uniform for one ring more than `reach.faces` around the vertex. Returns `None` if `find` does, if a
-    /// stencil reaches farther than `reach.points`, if patches are too small for it, or if it looks farther than the
-    /// next points on triangles or beside a line.
+    /// stencil reaches farther than `reach.points`, if patches are too small for it, if it looks farther than the next
+    /// points on triangles or beside a line, or if stars would have more than [`MOST_STAR_WEIGHTS`].
     pub(crate) fn stencils<E>(
         &self,
         plan: &Plan,
@@ -86,6 +91,13 @@ impl Sweep {
             let found = find(&sample.net(plan), sample.middle());
             found.map(|found| found.and_then(|stencil| stencil.named(name)))
         };
+        let weights = |kind: &StarKind| {
+            let points = |reach: usize| StarShape { tile, faces: kind.faces, closed: kind.closed, reach }.len();
+            points(near).saturating_mul(points(near + reach.points))
+        };
+        if near > 0 && self.surface.kinds.iter().map(weights).fold(0, usize::saturating_add) > MOST_STAR_WEIGHTS {
+            return Ok(None);
+        }
         let Some(regular) = on_grid(None)? else { return Ok(None) };
         let Some(lines) = self.line_stencils(reach, on_grid)? else { return Ok(None) };
         let mut stars = Vec::new();

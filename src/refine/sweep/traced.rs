@@ -98,7 +98,7 @@ impl RowTrace<'_> {
     fn band(&mut self, patch: usize, rows: &Range<usize>, points: &[u32], numbers: &mut [[f64; 1]]) {
         let (surface, run, n) = (&self.sweep.surface, self.run, self.run.n);
         let place = |[i, j]: [isize; 2], [a, b]: [isize; 2]| points[run.at(rows.start, [i + a, j + b])];
-        let reach = rows.start.cast_signed()..rows.end.cast_signed();
+        let wanted = rows.start.cast_signed()..rows.end.cast_signed();
         for j in rows.clone() {
             for i in 0..=last(surface.tile, n, j) {
                 let here = [i, j].map(usize::cast_signed);
@@ -113,7 +113,7 @@ impl RowTrace<'_> {
             let stencil = &along[axis(surface.tile, side)];
             let frame = CornerFrame::new(surface.tile, n, side, 0);
             let turn = if frame.along() == LATTICE_AXES[axis(surface.tile, side)] { 1 } else { -1 };
-            for steps in run.steps(frame.along(), frame.corner()[1], &reach) {
+            for steps in run.steps(frame.along(), frame.corner()[1], &wanted) {
                 let here = frame.place([steps, 0]);
                 numbers[run.at(rows.start, here)] = self.add(stencil, |by| place(here, by.map(|x| turn * x)));
             }

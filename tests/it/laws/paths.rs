@@ -289,11 +289,12 @@ fn limits_that_look_farther_are_those_of_whole_nets() {
             let channel = json!({ "channels": { "heat": (0..net.positions.len()).collect::<Vec<_>>() } });
             assert!(compare_limits(&net, &channel, &plan, 5), "{plan}");
         }
-        // too small patches, boundaries and creases
+        // too small patches, boundaries, creases, and a sharp vertex
         for levels in 1..4 {
             compare_limits(&nets::prism(5), &json!({}), &plan, levels);
         }
         compare_limits(&nets::grid(3, 2), &json!({}), &plan, 4);
+        compare_limits(&nets::cube(), &json!({ "corners": [{ "vertex": 0, "sharpness": 10 }] }), &plan, 4);
         let sharp = [[0, 1], [1, 3], [3, 2]].map(|edge| json!({ "edge": edge, "sharpness": 10 }));
         compare_limits(&nets::cube(), &json!({ "creases": sharp }), &plan, 4);
     }
