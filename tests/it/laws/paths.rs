@@ -285,7 +285,7 @@ fn limits_that_look_farther_are_those_of_whole_nets() {
     let circles = json!({ "alpha": "pi/6", "kernel": "cos(alpha/2)", "compensation": "1/cos(alpha/2)", "delta": 0.5 });
     let circles = json!({ "preset": "push-back", "parameters": circles });
     for plan in [circles.clone(), static_word("UCCP"), word("UCC"), semi_stationary("UCP", "pi/3", 0.5)] {
-        for net in [nets::cube(), nets::torus(3, 4), nets::prism(5), nets::mixed()] {
+        for net in [nets::cube(), nets::torus(3, 4), nets::prism(5), nets::octahedron()] {
             let channel = json!({ "channels": { "heat": (0..net.positions.len()).collect::<Vec<_>>() } });
             assert!(compare_limits(&net, &channel, &plan, 5), "{plan}");
         }
@@ -294,6 +294,7 @@ fn limits_that_look_farther_are_those_of_whole_nets() {
             compare_limits(&nets::prism(5), &json!({}), &plan, levels);
         }
         compare_limits(&nets::grid(3, 2), &json!({}), &plan, 4);
+        compare_limits(&nets::mixed(), &json!({}), &plan, 4);
         compare_limits(&nets::cube(), &json!({ "corners": [{ "vertex": 0, "sharpness": 10 }] }), &plan, 4);
         let sharp = [[0, 1], [1, 3], [3, 2]].map(|edge| json!({ "edge": edge, "sharpness": 10 }));
         compare_limits(&nets::cube(), &json!({ "creases": sharp }), &plan, 4);
