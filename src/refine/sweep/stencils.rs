@@ -21,8 +21,8 @@ pub(crate) struct Stencil<P> {
 }
 
 /// The largest number of weights of the stencils near the stars of a sweep: 50 MB for a position and two tangents. They
-/// grow with the square of the number of faces around a vertex, so that half of it sends vertices of seven tenths of the
-/// faces to whole nets, and twice of it takes those of 1.4 times the faces.
+/// grow with the square of the number of faces around a vertex, so that half of it sends vertices of seven tenths of
+/// the faces to whole nets, and twice of it takes those of 1.4 times the faces.
 const MOST_STAR_WEIGHTS: usize = 1 << 20;
 
 /// How far the value at a point depends on the net around it.
