@@ -34,6 +34,9 @@ pub(crate) struct StencilReach {
     pub(crate) faces: usize,
 }
 
+/// The stencils of the points on a line, for each axis along which it may run.
+type AlongAxes = Vec<Stencil<[isize; 2]>>;
+
 /// The stencils of the points of a refined net.
 #[derive(Debug)]
 pub(crate) struct Stencils {
@@ -45,7 +48,7 @@ pub(crate) struct Stencils {
     /// The stencil where the grid is regular, over places relative to the point.
     pub(super) regular: Stencil<[isize; 2]>,
     /// For each line the stencils along each axis, or `None` where the line is smooth by then.
-    pub(super) lines: Vec<Option<Vec<Stencil<[isize; 2]>>>>,
+    pub(super) lines: Vec<Option<AlongAxes>>,
     /// For each kind of star the stencils of the points of the star with `near` cells around its vertex, over the
     /// points of the star with `near + reach` cells.
     pub(super) stars: Vec<Vec<Stencil<usize>>>,
@@ -115,7 +118,7 @@ impl Sweep {
         &self,
         reach: StencilReach,
         on_grid: impl Fn(Option<(SharpSide, usize)>) -> Result<Option<Stencil<[isize; 2]>>, E>,
-    ) -> Result<Option<Vec<Option<Vec<Stencil<[isize; 2]>>>>>, E> {
+    ) -> Result<Option<Vec<Option<AlongAxes>>>, E> {
         let axes = if self.tile() == Tile::Quad { 2 } else { 3 };
         let mut lines = Vec::new();
         for line in &self.surface.lines {
