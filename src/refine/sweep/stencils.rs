@@ -101,8 +101,8 @@ impl Sweep {
         if near > 0 && self.surface.kinds.iter().map(weights).fold(0, usize::saturating_add) > MOST_STAR_WEIGHTS {
             return Ok(None);
         }
-        let Some(regular) = on_grid(None)? else { return Ok(None) };
         let Some(lines) = self.line_stencils(reach, on_grid)? else { return Ok(None) };
+        let Some(regular) = on_grid(None)? else { return Ok(None) };
         let mut stars = Vec::new();
         for kind in &self.surface.kinds {
             let Some(of_kind) = self.star_stencils(&kind.after(self.n_rounds()), plan, (reach, near), &find)? else {
