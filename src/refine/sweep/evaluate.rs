@@ -94,8 +94,11 @@ impl<'a, const W: usize> BandRun<'a, W> {
         let evaluators: Vec<_> = wanted.iter().map(|&(of, rule)| PatchEvaluator::new(sweep, of, rule)).collect();
         let stride = evaluators.first().map_or(0, PatchEvaluator::stride).cast_signed();
         let term = |&([i, j], weight): &([isize; 2], f64)| (weight, (j * stride + i) * W.cast_signed());
-        assert!(evaluators.iter().all(|run| run.stride() == evaluators[0].stride()), "stencils differ in their reach");
-        let masks = evaluators.iter().flat_map(|run| &run.stencils.regular.sectors[0]);
+        assert!(
+            evaluators.iter().all(|evaluator| evaluator.stride() == evaluators[0].stride()),
+            "stencils differ in their reach"
+        );
+        let masks = evaluators.iter().flat_map(|evaluator| &evaluator.stencils.regular.sectors[0]);
         let masks: Vec<Vec<_>> = masks.map(|mask| mask.iter().map(term).collect()).collect();
         Self { points, bundle: Bundle::new(&masks), evaluators }
     }
@@ -128,21 +131,23 @@ impl<'a, const W: usize> BandRun<'a, W> {
         let copy = |first: u32, out: &mut [[f64; W]]| out.copy_from_slice(&self.points[first as usize..][..out.len()]);
         grid.gather(patch, rows, copy, points.as_chunks_mut().0);
         let stars = self.evaluators.iter().zip(&mut *tasks);
-        let stars: Vec<_> = stars.map(|(run, task)| run.stars(patch, rows, self.points, &mut task.sides)).collect();
+        let stars: Vec<_> =
+            stars.map(|(evaluator, task)| evaluator.stars(patch, rows, self.points, &mut task.sides)).collect();
         for j in rows.clone() {
             let len = last(grid.sweep.surface.tile, grid.n, j) + 1;
             let start = grid.at(rows.start, [0, j.cast_signed()]);
             self.bundle.sums(functionals, len * W, points, start * W);
             let mut functionals = functionals.each_mut().map(|row| row.as_chunks_mut().0).into_iter();
-            for (((run, task), values), stars) in self.evaluators.iter().zip(&mut *tasks).zip(&mut *values).zip(&stars)
+            for (((evaluator, task), values), stars) in
+                self.evaluators.iter().zip(&mut *tasks).zip(&mut *values).zip(&stars)
             {
-                let mut mine = functionals.by_ref().take(run.n_functionals());
+                let mut mine = functionals.by_ref().take(evaluator.n_functionals());
                 let Some(row) = mine.next().map(|row| &mut row[..len]) else { continue };
-                (run.rule.of_all)(row, mine.next().map_or(&[], |second| &second[..len]));
+                (evaluator.rule.of_all)(row, mine.next().map_or(&[], |second| &second[..len]));
                 for ([i, _], value) in stars.iter().filter(|([_, row], _)| *row == j.cast_signed()) {
                     row[i.unsigned_abs()] = *value;
                 }
-                run.emit_row(patch, j, row, task);
+                evaluator.emit_row(patch, j, row, task);
                 // only values on the sides of the patch are needed later
                 let step = if j == 0 || j == grid.n { 1 } else { len.saturating_sub(1).max(1) };
                 for i in (0..len).step_by(step) {
@@ -150,10 +155,10 @@ impl<'a, const W: usize> BandRun<'a, W> {
                 }
             }
         }
-        for (((run, task), values), stars) in self.evaluators.iter().zip(tasks).zip(values).zip(stars) {
-            run.lines(patch, rows, points.as_chunks().0, (values, &mut task.sides));
-            stars.into_iter().for_each(|(place, value)| values[run.at(rows.start, place)] = value);
-            run.emit_sides(patch, rows, values, task);
+        for (((evaluator, task), values), stars) in self.evaluators.iter().zip(tasks).zip(values).zip(stars) {
+            evaluator.lines(patch, rows, points.as_chunks().0, (values, &mut task.sides));
+            stars.into_iter().for_each(|(place, value)| values[evaluator.at(rows.start, place)] = value);
+            evaluator.emit_sides(patch, rows, values, task);
         }
     }
 }

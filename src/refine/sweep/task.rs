@@ -29,7 +29,7 @@ pub(super) struct PatchRun<'a, const W: usize> {
     pub(super) vertices: Vec<(u32, [f64; W])>,
     /// Values by side at points with several sectors.
     pub(super) sides: Vec<SideValue<W>>,
-    /// Whether a value is zero.
+    /// Whether a value that is kept is zero.
     pub(super) has_zero: bool,
 }
 
