@@ -233,6 +233,14 @@ fn compare_limits(net: &Net, extras: &Value, plan: &Value, levels: usize) -> boo
     for (v, (a, b)) in found.all_positions().iter().zip(&expected.all_positions()).enumerate() {
         assert!(close(a, b, 1e-12), "limit {v}: {a:?} and {b:?} in {value}");
     }
+    for channel in 0..expected.attachments().channels.len() {
+        let (mut mine, mut theirs) = (Vec::new(), Vec::new());
+        found.channel(channel, 0..found.n_vertices(), &mut mine);
+        expected.channel(channel, 0..expected.n_vertices(), &mut theirs);
+        assert_eq!(mine.len(), theirs.len(), "channel {channel} in {value}");
+        let apart = mine.iter().zip(&theirs).position(|(a, b)| (a - b).abs() > 1e-11);
+        assert_eq!(apart, None, "channel {channel} in {value}");
+    }
     let normals = |mesh: &RefinedMesh| {
         let mut normals = Vec::new();
         mesh.normals()?.of_vertices(0..mesh.n_vertices(), &mut normals);
