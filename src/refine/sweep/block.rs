@@ -43,14 +43,26 @@ impl Block {
         [0, 1].map(|axis| place[axis] - self.at[axis].cast_signed())
     }
 
-    /// Returns the same part of the patch at a place in a stack of which this is the first.
-    pub(super) fn at_place(self, place: usize) -> Self {
-        Self { patch: self.patch + place, ..self }
-    }
-
     /// Returns the block after a split, at the same part of the patch.
     pub(super) fn refined(self) -> Self {
         Self { at: self.at.map(|at| 2 * at), pieces: 2 * self.pieces, ..self }
+    }
+}
+
+/// Blocks at the same part of consecutive patches, whose grids are refined together.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stack {
+    pub(super) first: Block,
+    /// Number of patches.
+    pub(super) patches: usize,
+    /// Number of grids, at least as many; those without a patch mean nothing.
+    pub(super) grids: usize,
+}
+
+impl Stack {
+    /// Returns each block with its place in the stack.
+    pub(super) fn blocks(self) -> impl Iterator<Item = (usize, Block)> {
+        (0..self.patches).map(move |place| (place, Block { patch: self.first.patch + place, ..self.first }))
     }
 }
 
@@ -63,6 +75,6 @@ pub(super) trait BlockReceiver<const W: usize> {
     /// `size` is that of the block's grid before the last round.
     fn expect<'a>(&'a self, _: &Sweep, _size: GridSize, _block: Block, _spans: &mut Vec<&'a [f64]>) {}
 
-    /// Receives the points of a block; `size` is that of the block's grid before the last round.
-    fn take(&mut self, sweep: &Sweep, size: GridSize, block: Block, planes: &Planes);
+    /// Receives the points of blocks; `size` is that of their grids before the last round.
+    fn take(&mut self, sweep: &Sweep, size: GridSize, stack: Stack, planes: &Planes);
 }

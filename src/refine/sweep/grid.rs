@@ -35,12 +35,13 @@ enum FlatUse {
 }
 
 /// The size of a grid: `cells x cells` plus a halo of `halo` cells on each side; points have `width` coordinates.
-/// Planes may hold a stack of grids of one size, one after the other.
+/// Planes hold a stack of `grids` grids of one size: first all first points, then all second ones, and so on.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GridSize {
     pub(super) cells: usize,
     pub(super) halo: usize,
     pub(super) width: usize,
+    pub(super) grids: usize,
     /// The place of the grid in the stack.
     pub(super) place: usize,
 }
@@ -51,9 +52,14 @@ impl GridSize {
         self.cells + 1 + 2 * self.halo
     }
 
-    /// Number of values of one grid in a plane.
+    /// Number of values of all points at one place.
+    pub(super) fn step(self) -> usize {
+        self.grids * self.width
+    }
+
+    /// Number of values in a plane.
     pub(super) fn len(self) -> usize {
-        self.stride() * self.stride() * self.width
+        self.stride() * self.stride() * self.step()
     }
 
     /// Returns the size with another place in the stack.
@@ -64,21 +70,28 @@ impl GridSize {
     /// Returns the index of the first value of a cell's point; cells in the halo are negative or greater than `cells`.
     pub(super) fn at(self, cell: [isize; 2]) -> usize {
         let [i, j] = cell.map(|x| x.cast_unsigned().wrapping_add(self.halo));
-        self.place * self.len() + (j * self.stride() + i) * self.width
+        (j * self.stride() + i) * self.step() + self.place * self.width
     }
 
-    /// Returns the range of values in the rows of a plane with points of the refined grid, or at most `beyond` outside
-    /// it.
-    fn rows(self, plane: usize, beyond: isize) -> Range<usize> {
-        let odd = (plane >> 1 & 1).cast_signed();
+    /// Returns the ranges of values of a plane with points of the refined grid, or at most `beyond` outside it: a range
+    /// for each row of a stack. Rows of a single grid are so short that they are one range, with their halos.
+    fn ranges(self, plane: usize, beyond: isize) -> Vec<Range<usize>> {
         let halo = self.halo.cast_signed();
-        let first = (1 - beyond - odd).div_euclid(2).max(-halo);
-        let last = (2 * self.cells.cast_signed() + beyond - odd).div_euclid(2).min(self.cells.cast_signed() + halo);
-        self.at([-halo, first])..self.at([-halo, last]) + self.stride() * self.width
+        let [columns, rows] = [0, 1].map(|axis| {
+            let odd = (plane >> axis & 1).cast_signed();
+            let first = (1 - beyond - odd).div_euclid(2).max(-halo);
+            let last = (2 * self.cells.cast_signed() + beyond - odd).div_euclid(2).min(self.cells.cast_signed() + halo);
+            [first, last]
+        });
+        let between = |first: [isize; 2], last: [isize; 2]| self.at(first)..self.at(last) + self.step();
+        if self.grids == 1 {
+            return vec![between([-halo, rows[0]], [self.cells.cast_signed() + halo, rows[1]])];
+        }
+        (rows[0]..=rows[1]).map(|row| between([columns[0], row], [columns[1], row])).collect()
     }
 
     fn distance(self, [i, j]: [isize; 2]) -> isize {
-        (j * self.stride().cast_signed() + i) * self.width.cast_signed()
+        (j * self.stride().cast_signed() + i) * self.step().cast_signed()
     }
 
     fn flat(self, group: &MaskGroup) -> FlatGroup {
@@ -126,7 +139,8 @@ impl FlatPass {
             }
             _ => Vec::new(),
         };
-        let mask = |plane: usize| FlatMask::new(flat(&planes[plane]), size.len(), size.rows(plane, beyond));
+        let mask =
+            |plane: usize| FlatMask::new(flat(&planes[plane]), size.len(), size.ranges(plane, beyond).into_iter());
         Self { is, planes: std::array::from_fn(mask), wanted, lines }
     }
 
@@ -196,19 +210,18 @@ impl Planes {
         }
     }
 
-    /// Refines a stack of `grids` grids once. Afterwards the planes hold the vertices, the edge points along the first
-    /// and the second axis, and the face points, each at the cell whose lower left corner it belongs to.
+    /// Refines a stack of grids once. Afterwards the planes hold the vertices, the edge points along the first and the
+    /// second axis, and the face points, each at the cell whose lower left corner it belongs to.
     ///
-    /// The loops run over the whole stack: sums that reach from one grid into the next lie in halos, where nobody reads
-    /// them. Meanwhile asks for the memory that is `upcoming`.
+    /// The loops run over all grids of the stack. Meanwhile asks for the memory that is `upcoming`.
     pub(super) fn refine(
         &mut self,
         passes: &[FlatPass],
-        (size, grids): (GridSize, usize),
+        size: GridSize,
         lines: &[GridLine],
         upcoming: &mut Upcoming<'_>,
     ) {
-        let len = grids * size.len();
+        let len = size.len();
         self.now.iter_mut().chain(&mut self.next).for_each(|plane| at_least(plane, len));
         let pushes = passes.iter().any(|pass| pass.is == FlatUse::Push);
         if pushes {
@@ -224,19 +237,14 @@ impl Planes {
                         pass.planes[plane].combine(&source, &mut out[..len], false, upcoming);
                     }
                 }
-                FlatUse::Blend => self.blend(pass, (size, len), lines, upcoming),
+                FlatUse::Blend => self.blend(pass, size, lines, upcoming),
                 FlatUse::Push => self.push(pass, len, upcoming),
             }
         }
     }
 
-    fn blend(
-        &mut self,
-        pass: &FlatPass,
-        (size, len): (GridSize, usize),
-        lines: &[GridLine],
-        upcoming: &mut Upcoming<'_>,
-    ) {
+    fn blend(&mut self, pass: &FlatPass, size: GridSize, lines: &[GridLine], upcoming: &mut Upcoming<'_>) {
+        let len = size.len();
         let Self { now, next, .. } = self;
         let source = now.each_ref().map(|plane| &plane[..len]);
         let moved = |plane: usize| pass.wanted[plane] && !pass.keeps(plane);

@@ -24,35 +24,37 @@ pub(super) struct FlatMask {
     pub(super) groups: Vec<FlatGroup>,
     /// Number of members of each group.
     sizes: Vec<usize>,
-    /// The range in which sums are computed: where they are needed and all members lie in the planes. In a stack of
-    /// grids it ends as far from the end.
-    range: Range<usize>,
-    /// Number of values in a plane of one grid.
-    len: usize,
+    /// The ranges in which sums are computed: where they are needed and all members lie in the planes.
+    ranges: Vec<Range<usize>>,
 }
 
 impl FlatMask {
-    /// Creates a mask over planes of `len` values, whose sums are needed in the range `wanted`.
-    pub(super) fn new(groups: Vec<FlatGroup>, len: usize, wanted: Range<usize>) -> Self {
+    /// Creates a mask over planes of `len` values, whose sums are needed in the ranges `wanted`.
+    pub(super) fn new(groups: Vec<FlatGroup>, len: usize, wanted: impl Iterator<Item = Range<usize>>) -> Self {
         let distances = || groups.iter().flat_map(|group| &group.members).map(|&(_, distance)| distance);
         let low = distances().min().unwrap_or(0).min(0).unsigned_abs();
         let high = distances().max().unwrap_or(0).max(0).unsigned_abs();
-        let start = wanted.start.max(low);
-        let range = start..wanted.end.min(len - high).max(start);
-        Self { sizes: groups.iter().map(|group| group.members.len()).collect(), groups, range, len }
+        let possible = |range: Range<usize>| range.start.max(low)..range.end.min(len - high);
+        let ranges = wanted.map(possible).filter(|range| !range.is_empty()).collect();
+        Self { sizes: groups.iter().map(|group| group.members.len()).collect(), groups, ranges }
     }
 
-    /// Sets `out[k]` to the sum over the groups for each `k` in the range, or adds the sum if `adds` is set. The planes
-    /// may hold a stack of grids. Meanwhile asks for the memory that is `upcoming`.
+    /// Sets `out[k]` to the sum over the groups for each `k` in the ranges, or adds the sum if `adds` is set. Meanwhile
+    /// asks for the memory that is `upcoming`.
     pub(super) fn combine(&self, source: &[&[f64]; 4], out: &mut [f64], adds: bool, upcoming: &mut Upcoming<'_>) {
-        let n = self.range.len() + out.len() - self.len;
-        let (mut at, mut out) = (self.range.start, &mut out[self.range.start..self.range.start + n]);
-        while !out.is_empty() {
-            let n = if upcoming.fetch() { SUMS.min(out.len()) } else { out.len() };
-            let part;
-            (part, out) = out.split_at_mut(n);
-            self.combine_from(at, source, part, adds);
-            at += n;
+        let mut sums = 0;
+        for range in &self.ranges {
+            let (mut at, mut out) = (range.start, &mut out[range.clone()]);
+            while !out.is_empty() {
+                if sums == 0 {
+                    sums = if upcoming.fetch() { SUMS } else { usize::MAX };
+                }
+                let n = sums.min(out.len());
+                let part;
+                (part, out) = out.split_at_mut(n);
+                self.combine_from(at, source, part, adds);
+                (at, sums) = (at + n, sums - n);
+            }
         }
     }
 

@@ -53,14 +53,34 @@ impl SplitOrder {
         }
     }
 
-    /// Returns the indices of `n` points of a patch in one column and consecutive rows, from an inner point on.
-    pub(super) fn rows(&self, patch: usize, [i, j]: [usize; 2], n: usize) -> impl Iterator<Item = u32> {
+    /// Returns the indices of points of a patch in one column and consecutive rows, from an inner point on; only the
+    /// first `n` of them count.
+    pub(super) fn rows(&self, patch: usize, [i, j]: [usize; 2], n: usize) -> RowStarts {
         let vertex = |j: usize| self.vertex(patch, [i, j].map(usize::cast_signed));
         let first = if n > 0 { vertex(j) } else { 0 };
-        // all rows of a quad have the same number of points, those of a triangle one less each
         let step = if n > 1 { vertex(j + 1).wrapping_sub(first) } else { 0 };
-        let less = u32::from(self.quads.is_none());
-        let next = move |&(at, step): &(u32, u32)| Some((at.wrapping_add(step), step.wrapping_sub(less)));
-        std::iter::successors(Some((first, step)), next).map(|(at, _)| at).take(n)
+        RowStarts { next: first, step, less: u32::from(self.quads.is_none()) }
+    }
+}
+
+/// The indices of points in one column and consecutive rows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RowStarts {
+    next: u32,
+    /// Number of points from here to the next row.
+    step: u32,
+    /// By how many points each row is shorter than the one before: none in a quad, one in a triangle.
+    less: u32,
+}
+
+impl Iterator for RowStarts {
+    type Item = u32;
+
+    #[inline]
+    fn next(&mut self) -> Option<u32> {
+        let here = self.next;
+        self.next = here.wrapping_add(self.step);
+        self.step = self.step.wrapping_sub(self.less);
+        Some(here)
     }
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::block::{Block, BlockReceiver};
+use super::block::{Block, BlockReceiver, Stack};
 use super::grid::{GridLine, GridSize, Planes, at_least};
 use super::lattice::{CornerFrame, axis, cell, corner, sector};
 use super::program::{Flat, Sweep};
@@ -20,14 +20,6 @@ use crate::watch::{Stopped, Watch};
 /// Number of faces after which a thread reports to the watch, which all threads share. Half of it makes them wait for
 /// each other twice as often; with twice of it, a job goes on for twice as long after it was cancelled.
 const FACES_PER_REPORT: u64 = 4_096;
-
-/// Maximum number of patches that are refined as a stack while they are small. With half as many, level 3 takes a
-/// twentieth longer; twice as many leave the cache.
-const STACK: usize = 16;
-
-/// Maximum number of values in a plane of a stack: 32 KB, so that eight planes fit into half of a core's own cache.
-/// Half and twice of it made no measurable difference.
-const STACK_VALUES: usize = 4_096;
 
 /// Refined points in the documented order.
 #[derive(Debug)]
@@ -63,9 +55,10 @@ impl Sweep {
         let mut all = Numbers::to_overwrite(self.n_points() * W);
         let finite = AtomicBool::new(true);
         let base = &self.surface.base;
-        let run = SweepRun { sweep: self, flat: &self.flat(W), start, watch };
         let (vertices, rest) = all.as_chunks_mut::<W>().0.split_at_mut(base.n_vertices());
         let tasks = self.tasks(rest);
+        let most = tasks.iter().map(|task| task.patches.len()).max().unwrap_or(1);
+        let run = SweepRun { sweep: self, flat: &self.flat(W, most), start, watch };
         let made = tasks.into_par_iter().map_init(Worker::<W>::default, |worker, mut task| {
             worker.begin(self);
             run.patches(task.patches.clone(), worker, &mut task)?;
@@ -141,8 +134,8 @@ impl<const W: usize> Worker<W> {
 impl<const W: usize> SweepRun<'_, W> {
     /// Refines consecutive patches and hands their points to `target`.
     ///
-    /// In their first rounds patches are so small that each loop ends before it has begun: several are refined as a
-    /// stack until their grids are large enough.
+    /// In their first rounds patches are so small that each loop ends before it has begun, and that most points of
+    /// their rows lie in halos: many are refined as a stack until their grids are large enough.
     pub(super) fn patches(
         &self,
         patches: Range<usize>,
@@ -154,23 +147,27 @@ impl<const W: usize> SweepRun<'_, W> {
         while !rest.is_empty() {
             let first = rest.start;
             let turned = surface.is_turned(first);
-            let alike = rest.clone().take(STACK).take_while(|&patch| surface.is_turned(patch) == turned).count();
-            self.stack(first..first + alike, worker, target)?;
-            rest.start += alike;
+            let most = self.flat.grids(0);
+            let alike = rest.clone().take(most).take_while(|&patch| surface.is_turned(patch) == turned).count();
+            // places of a stack that stay empty cost as much as others
+            let (n, grids) = if 2 * alike > most { (alike, most) } else { (1, 1) };
+            self.stack(first..first + n, grids, worker, target)?;
+            rest.start += n;
         }
         Ok(())
     }
 
-    /// Refines a stack of patches, all turned alike.
+    /// Refines patches, all turned alike, as a stack of so many grids.
     fn stack(
         &self,
         patches: Range<usize>,
+        grids: usize,
         worker: &mut Worker<W>,
         target: &mut impl BlockReceiver<W>,
     ) -> Result<(), Stopped> {
         let sweep = self.sweep;
-        let size = sweep.size(0, W);
-        let len = patches.len() * size.len();
+        let size = sweep.size(0, W, grids);
+        let len = size.len();
         worker.is_plain = patches.clone().all(|patch| sweep.surface.is_plain(patch));
         at_least(&mut worker.planes.now[0], len);
         worker.planes.now[0][..len].fill(0.0);
@@ -185,7 +182,7 @@ impl<const W: usize> SweepRun<'_, W> {
             });
         }
         let block = Block { patch: patches.start, at: [0, 0], pieces: size.cells };
-        self.descend(0, (block, patches.len()), worker, target)
+        self.descend(0, Stack { first: block, patches: patches.len(), grids }, worker, target)
     }
 
     /// Counts the faces since the last report as done.
@@ -217,103 +214,96 @@ impl<const W: usize> SweepRun<'_, W> {
         }
     }
 
-    /// Refines blocks of consecutive patches, whose coarse grids are stacked in the first plane, through the rounds
-    /// from `round` on. `block` is the first of them, `grids` their number.
+    /// Refines a stack, whose coarse grids are in the first plane, through the rounds from `round` on.
     fn descend(
         &self,
         round: usize,
-        (block, grids): (Block, usize),
+        stack: Stack,
         worker: &mut Worker<W>,
         target: &mut impl BlockReceiver<W>,
     ) -> Result<(), Stopped> {
         let sweep = self.sweep;
-        let size = sweep.size(round, W);
+        let size = sweep.size(round, W, stack.grids);
         worker.lines.clear();
         if !worker.is_plain {
-            (0..grids).for_each(|place| self.lines((size.cells, place), block.at_place(place), &mut worker.lines));
+            stack.blocks().for_each(|(place, block)| self.lines((size.cells, place), block, &mut worker.lines));
         }
-        let passes = &self.flat.of(sweep.surface.is_turned(block.patch))[round];
+        let passes = self.flat.of(sweep.surface.is_turned(stack.first.patch), round, stack.grids > 1);
         let is_last = round + 1 == sweep.rounds.len();
-        let mut upcoming = if is_last { self.upcoming(size, (block, grids), target) } else { Upcoming::default() };
-        worker.planes.refine(passes, (size, grids), &worker.lines, &mut upcoming);
+        let mut upcoming = if is_last { self.upcoming(size, stack, target) } else { Upcoming::default() };
+        worker.planes.refine(passes, size, &worker.lines, &mut upcoming);
         if !worker.is_plain {
-            for place in 0..grids {
-                self.overlay_corners(round, size.stacked(place), block.at_place(place), worker);
+            for (place, block) in stack.blocks() {
+                self.overlay_corners(round, size.stacked(place), block, worker);
             }
         }
         if is_last {
-            worker.unreported += 4 * (grids * size.cells * size.cells) as u64;
+            worker.unreported += 4 * (stack.patches * size.cells * size.cells) as u64;
             if worker.unreported >= FACES_PER_REPORT {
                 self.report(worker)?;
             }
-            for place in 0..grids {
-                target.take(sweep, size.stacked(place), block.at_place(place), &worker.planes);
-            }
+            target.take(sweep, size, stack, &worker.planes);
             return Ok(());
         }
         if worker.woven.len() <= round {
             worker.woven.resize_with(round + 1, Vec::new);
         }
         let mut woven = std::mem::take(&mut worker.woven[round]);
-        let next = sweep.size(round + 1, W);
-        let fine = GridSize { cells: 2 * size.cells, ..size };
-        weave::<W>(&worker.planes, size, fine, grids, &mut woven);
-        let refined = block.refined();
-        if fine.cells == next.cells && (grids == 1 || grids * next.len() <= STACK_VALUES) {
+        let grids = stack.grids.min(self.flat.grids(round + 1));
+        let fine = GridSize { cells: 2 * size.cells, grids, ..size };
+        weave::<W>(&worker.planes, size, fine, &mut woven);
+        let stack = Stack { first: stack.first.refined(), ..stack };
+        if fine.cells == sweep.rounds[round + 1].cells && grids == stack.grids {
             std::mem::swap(&mut woven, &mut worker.planes.now[0]);
             worker.woven[round] = woven;
-            return self.descend(round + 1, (refined, grids), worker, target);
+            return self.descend(round + 1, stack, worker, target);
         }
-        for place in 0..grids {
-            let grid = &woven[place * fine.len()..][..fine.len()];
-            self.divide(round, (grid, fine), refined.at_place(place), worker, target)?;
+        for ((place, first), woven) in stack.blocks().step_by(grids).zip(woven.chunks_exact(fine.len())) {
+            let part = Stack { first, patches: grids.min(stack.patches - place), grids };
+            self.divide(round, (woven, fine), part, worker, target)?;
         }
         worker.woven[round] = woven;
         Ok(())
     }
 
     /// Returns the memory where the points of blocks will be written, if the processor can be asked for it.
-    fn upcoming<'t>(
-        &self,
-        size: GridSize,
-        (block, grids): (Block, usize),
-        target: &'t impl BlockReceiver<W>,
-    ) -> Upcoming<'t> {
+    fn upcoming<'t>(&self, size: GridSize, stack: Stack, target: &'t impl BlockReceiver<W>) -> Upcoming<'t> {
         let mut spans = Vec::new();
         if Upcoming::IS_FETCHED {
-            (0..grids)
-                .for_each(|place| target.expect(self.sweep, size.stacked(place), block.at_place(place), &mut spans));
+            stack.blocks().for_each(|(place, block)| target.expect(self.sweep, size.stacked(place), block, &mut spans));
         }
         Upcoming::new(spans)
     }
 
-    /// Refines a block further, whose grid was refined in `round`: whole, or part by part if it has become too large.
+    /// Refines a stack further, whose grids were refined in `round`: whole, or part by part if they have become too
+    /// large.
     fn divide(
         &self,
         round: usize,
         (woven, fine): (&[f64], GridSize),
-        refined: Block,
+        stack: Stack,
         worker: &mut Worker<W>,
         target: &mut impl BlockReceiver<W>,
     ) -> Result<(), Stopped> {
-        let next = self.sweep.size(round + 1, W);
+        let (next, refined) = (self.sweep.size(round + 1, W, stack.grids), stack.first);
         let parts = if fine.cells == next.cells { 1 } else { 2 };
         for corner in [[0, 0], [1, 0], [0, 1], [1, 1]].into_iter().filter(|corner| corner.iter().all(|&x| x < parts)) {
             let offset = corner.map(|x| x * next.cells);
             let at: [usize; 2] = std::array::from_fn(|axis| refined.at[axis] + offset[axis]);
             let part = Block { at, ..refined };
             let is_beyond = self.sweep.tile() == Tile::Triangle && at[0] + at[1] >= refined.pieces;
-            if is_beyond || !target.wants(part, next.cells) {
+            let part = Stack { first: part, ..stack };
+            if is_beyond || !part.blocks().any(|(_, block)| target.wants(block, next.cells)) {
                 continue;
             }
             let coarse = &mut worker.planes.now[0];
             at_least(coarse, next.len());
-            let rows = coarse[..next.len()].chunks_exact_mut(next.stride() * W);
+            let rows = coarse[..next.len()].chunks_exact_mut(next.stride() * next.step());
             for (j, row) in rows.enumerate() {
-                let from = ((offset[1] + j) * fine.stride() + offset[0]) * W;
+                let from = ((offset[1] + j) * fine.stride() + offset[0]) * fine.step();
                 row.copy_from_slice(&woven[from..from + row.len()]);
             }
-            self.descend(round + 1, (part, 1), worker, target)?;
+            self.descend(round + 1, part, worker, target)?;
         }
         Ok(())
     }

@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use super::block::{Block, BlockReceiver};
+use super::block::{Block, BlockReceiver, Stack};
 use super::grid::{GridSize, Planes};
 use super::lattice::CornerFrame;
+use super::numbering::RowStarts;
 use super::program::Sweep;
 use super::upcoming::fetch;
 use super::weave::GridRow;
@@ -114,7 +115,10 @@ impl<const W: usize> BlockReceiver<W> for PatchRun<'_, W> {
 
     fn expect<'a>(&'a self, sweep: &Sweep, size: GridSize, block: Block, spans: &mut Vec<&'a [f64]>) {
         let mut span = 0..0;
-        for (_, columns, first) in rows_inside(sweep, size, block.refined()) {
+        let block = block.refined();
+        let (start, rows) = rows_inside(sweep.surface.tile, size, block);
+        let starts = sweep.orders[1].rows(block.patch, start, rows.len());
+        for ((_, columns), first) in rows.zip(starts) {
             let first = first as usize - self.starts[1];
             if first != span.end {
                 spans.push(self.inner[span].as_flattened());
@@ -125,15 +129,28 @@ impl<const W: usize> BlockReceiver<W> for PatchRun<'_, W> {
         spans.push(self.inner[span].as_flattened());
     }
 
-    fn take(&mut self, sweep: &Sweep, size: GridSize, block: Block, planes: &Planes) {
+    fn take(&mut self, sweep: &Sweep, size: GridSize, stack: Stack, planes: &Planes) {
+        let first = stack.first.refined();
+        let (start, rows) = rows_inside(sweep.surface.tile, size, first);
+        let starts = |(_, block): (usize, Block)| sweep.orders[1].rows(block.patch, start, rows.len());
+        let mut starts: Vec<RowStarts> = stack.blocks().map(starts).collect();
+        // row by row, as all grids of a stack share the lines of memory of a row
+        for (row, columns) in rows {
+            let points = GridRow::new(planes, size, row - first.at[1]);
+            for (place, start) in starts.iter_mut().flat_map(Iterator::next).enumerate() {
+                points.copy(place, columns.start - first.at[0], self.inside(start, columns.len()));
+            }
+        }
+        stack.blocks().for_each(|(place, block)| self.take_sides(sweep, size.stacked(place), block.refined(), planes));
+    }
+}
+
+impl<const W: usize> PatchRun<'_, W> {
+    /// Receives the points on the sides of a refined block.
+    fn take_sides(&mut self, sweep: &Sweep, size: GridSize, block: Block, planes: &Planes) {
         let (order, surface) = (&sweep.orders[1], &sweep.surface);
         let tile = surface.tile;
-        let (cells, block) = (2 * size.cells, block.refined());
-        let (n, at) = (block.pieces, block.at);
-        for (row, columns, first) in rows_inside(sweep, size, block) {
-            let row = GridRow::new(planes, size, row - at[1]);
-            row.copy(columns.start - at[0], self.inside(first, columns.len()));
-        }
+        let (n, cells) = (block.pieces, 2 * size.cells);
         for (side, half_edge) in surface.patches.half_edges(block.patch).enumerate() {
             let Some(range) = block.on_side(tile, side, cells) else { continue };
             let frame = CornerFrame::new(tile, n, side, 0);
@@ -168,15 +185,16 @@ impl<const W: usize> BlockReceiver<W> for PatchRun<'_, W> {
     }
 }
 
-/// Returns the rows of a refined block that have points inside the patch, with the columns of these and the documented
-/// index of the first; `size` is that of the block's grid before the last round.
-fn rows_inside(sweep: &Sweep, size: GridSize, block: Block) -> impl Iterator<Item = (usize, Range<usize>, u32)> {
-    let (n, at, tile) = (block.pieces, block.at, sweep.surface.tile);
-    let [start, end] = [at.map(|at| at.max(1)), at.map(|at| at + 2 * size.cells + 1)];
-    let rows = start[1]..end[1].min(n);
-    let firsts = sweep.orders[1].rows(block.patch, start, rows.len());
-    rows.zip(firsts).filter_map(move |(row, first)| {
-        let columns = start[0]..end[0].min(if tile == Tile::Quad { n } else { n - row });
-        (!columns.is_empty()).then_some((row, columns, first))
-    })
+/// Returns the first place of a refined block inside the patch, and the rows with such places, each with the columns of
+/// these; `size` is that of the block's grid before the last round.
+fn rows_inside(
+    tile: Tile,
+    size: GridSize,
+    block: Block,
+) -> ([usize; 2], impl ExactSizeIterator<Item = (usize, Range<usize>)>) {
+    let (n, start) = (block.pieces, block.at.map(|at| at.max(1)));
+    let end = block.at.map(|at| at + 2 * size.cells + 1);
+    let last = move |row: usize| if tile == Tile::Quad { n } else { n - row };
+    let rows = start[1]..end[1].min(last(start[0]));
+    (start, rows.map(move |row| (row, start[0]..end[0].min(last(row)))))
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use super::block::{Block, BlockReceiver};
+use super::block::{Block, BlockReceiver, Stack};
 use super::grid::{GridSize, Planes};
 use super::patches::{SweepRun, Worker};
 use super::places::{Span, SweepPlaces, spans};
@@ -62,7 +62,7 @@ impl OnDemand {
         let n = sweep.orders[1].pieces();
         let sweep = sweep.with_blocks((MAX_BAND_POINTS / n).max(LEAST_ROWS) / 2);
         let places = SweepPlaces::new(&sweep.surface, n);
-        let flat = sweep.flat(3);
+        let flat = sweep.flat(3, 1);
         Self { sweep, places, start, flat, idle: Mutex::default(), watch: watch.clone() }
     }
 
@@ -210,9 +210,9 @@ impl BlockReceiver<3> for GridWindow<'_> {
         })
     }
 
-    fn take(&mut self, _: &Sweep, size: GridSize, block: Block, planes: &Planes) {
+    fn take(&mut self, _: &Sweep, size: GridSize, stack: Stack, planes: &Planes) {
         let cells = 2 * size.cells;
-        let at = block.at.map(|x| 2 * x);
+        let at = stack.first.at.map(|x| 2 * x);
         let [columns, rows] =
             [0, 1].map(|axis| at[axis].max(self.low[axis])..(at[axis] + cells).min(self.high[axis]) + 1);
         if columns.is_empty() {
@@ -222,7 +222,7 @@ impl BlockReceiver<3> for GridWindow<'_> {
         for row in rows {
             let to = (row - self.low[1]) * width + columns.start - self.low[0];
             let out = &mut self.points[to..to + columns.len()];
-            GridRow::new(planes, size, row - at[1]).copy(columns.start - at[0], out);
+            GridRow::new(planes, size, row - at[1]).copy(0, columns.start - at[0], out);
         }
     }
 }
