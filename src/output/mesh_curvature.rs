@@ -53,7 +53,7 @@ pub(super) fn curvatures(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &
     let unit_normals =
         if are_given { normals::of(mesh, positions, watch)? } else { fitted_normals(mesh, positions, watch)? };
     let scale = normals::scale(positions);
-    let area = sums(mesh, |face| normals::area_vector(face, positions, scale), watch)?;
+    let area = sums(mesh, |face| normals::area_vector(face, positions, scale), |sum| sum, watch)?;
     let mut areas: Vec<f64> = area.par_iter().zip(&*unit_normals).map(|(area, n)| dot(*area, *n)).collect();
     areas.par_iter_mut().for_each(|area| *area = if *area > LEAST_CURVED_AREA { *area } else { 0.0 });
     drop(area);
@@ -62,10 +62,10 @@ pub(super) fn curvatures(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &
         let rows = sums.par_iter().zip(&*unit_normals).zip(&areas);
         rows.map(|((sum, n), area)| if *area > 0.0 { unit * (dot(*sum, *n) / area) } else { f64::NAN }).collect()
     };
-    let mixed = sums(mesh, |face| mixed_area(face, positions, &unit_normals, scale), watch)?;
+    let mixed = sums(mesh, |face| mixed_area(face, positions, &unit_normals, scale), |sum| sum, watch)?;
     let mut mean = over_area(&mixed, scale);
     drop(mixed);
-    let image = sums(mesh, |face| normals::area_vector(face, &unit_normals, 1.0), watch)?;
+    let image = sums(mesh, |face| normals::area_vector(face, &unit_normals, 1.0), |sum| sum, watch)?;
     let mut gaussian = over_area(&image, scale * scale);
     drop(image);
     let mut is_unknown = ends(mesh, watch)?;

@@ -19,21 +19,23 @@ const FACES_PER_PART: usize = 4_096;
 /// leaves work for eight threads only; twice of it holds twice the memory.
 const PARTS_PER_SUM: usize = 16;
 
-/// Returns for each vertex the sum of the vectors of its faces, added in the order of the faces.
+/// Returns for each vertex what `finish` makes of the sum of the vectors of its faces, added in the order of the faces.
 ///
-/// Vertices inside faces of the input mostly belong to one part of all faces; each part adds the sums of these itself.
-/// Contributions to other vertices are kept, and added part after part.
+/// Vertices inside faces of the input mostly belong to one part of all faces; each part adds the sums of these itself
+/// and finishes them, while they are in the cache. Contributions to other vertices are kept, and added part after part.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.
 pub(super) fn sums(
     mesh: &dyn MeshSource,
     of_face: impl Fn(&[u32]) -> [f64; 3] + Sync,
+    finish: impl Fn([f64; 3]) -> [f64; 3] + Sync,
     watch: &Watch,
 ) -> Result<Kept<[f64; 3]>, Stopped> {
+    let finish = |sums: &mut [[f64; 3]]| sums.iter_mut().for_each(|sum| *sum = finish(*sum));
     let mut sums = Kept::to_overwrite(mesh.n_vertices());
-    sums.par_chunks_mut(ROWS_PER_CHUNK).for_each(|sums| sums.fill([0.0; 3]));
     let own = own_vertices(mesh, watch)?;
+    chunks_between(&mut sums, &own).into_par_iter().for_each(|sums| sums.fill([0.0; 3]));
     let mut parts: Vec<FaceRun> = Vec::new();
     parts.resize_with(PARTS_PER_SUM.min(own.len()), FaceRun::default);
     for (round, own) in own.chunks(PARTS_PER_SUM).enumerate() {
@@ -52,10 +54,24 @@ pub(super) fn sums(
         work.into_par_iter().with_max_len(1).for_each(|(faces, part, first, own)| {
             mesh.faces(faces, &mut part.faces);
             part.add(&of_face, first, own);
+            finish(own);
         });
         parts[..own.len()].iter().for_each(|part| part.add_shared(&mut sums));
     }
+    chunks_between(&mut sums, &own).into_par_iter().for_each(finish);
     Ok(sums)
+}
+
+/// Returns the sums of vertices that are in none of these ascending ranges, in chunks.
+fn chunks_between<'a>(sums: &'a mut [[f64; 3]], own: &[Range<u32>]) -> Vec<&'a mut [[f64; 3]]> {
+    let n = index(sums.len());
+    let (mut rest, mut start, mut chunks) = (sums, 0, Vec::new());
+    for own in own.iter().filter(|own| !own.is_empty()).chain([&(n..n)]) {
+        let (between, beyond) = rest.split_at_mut((own.start - start) as usize);
+        chunks.extend(between.chunks_mut(ROWS_PER_CHUNK));
+        (rest, start) = (&mut beyond[own.len()..], own.end);
+    }
+    chunks
 }
 
 /// Returns the faces of a part.
@@ -135,11 +151,12 @@ struct FaceRun {
 }
 
 impl FaceRun {
-    /// Adds the vectors of the faces to the vertices of this part, the first of which is `start`.
+    /// Sets the sums of the vertices of this part, the first of which is `start`.
     fn add(&mut self, of_face: impl Fn(&[u32]) -> [f64; 3], start: u32, own: &mut [[f64; 3]]) {
         let Self { faces, vectors, shared } = self;
         vectors.clear();
         shared.clear();
+        own.fill([0.0; 3]);
         match faces.rows::<4>() {
             Some(quads) => vectors.extend(quads.iter().map(|quad| of_face(quad))),
             None => vectors.extend(faces.iter().map(of_face)),
