@@ -64,7 +64,7 @@ impl SplitOrder {
 }
 
 /// The indices of points in one column and consecutive rows.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub(super) struct RowStarts {
     next: u32,
     /// Number of points from here to the next row.

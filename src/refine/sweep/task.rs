@@ -137,7 +137,7 @@ impl<const W: usize> BlockReceiver<W> for PatchRun<'_, W> {
         // row by row, as all grids of a stack share the lines of memory of a row
         for (row, columns) in rows {
             let points = GridRow::new(planes, size, row - first.at[1]);
-            for (place, start) in starts.iter_mut().flat_map(Iterator::next).enumerate() {
+            for (place, start) in starts.iter_mut().filter_map(Iterator::next).enumerate() {
                 points.copy(place, columns.start - first.at[0], self.inside(start, columns.len()));
             }
         }
