@@ -176,6 +176,21 @@ fn automatic_levels_are_refused_without_pixels_and_without_smaller_faces() {
 }
 
 #[test]
+fn boxes_with_exchanged_corners_are_refused_at_the_first_coordinate() {
+    let found = |format: &str, min: [f64; 3]| {
+        let camera = json!({ "box": { "min": min, "max": [1, 1, 1] } });
+        faults(&cube(&json!(1), &json!({ "format": format, "camera": camera })))
+    };
+    for format in ["png", "svg", "apng"] {
+        let fault = &found(format, [0.0, 2.5, 3.0])[0];
+        assert_eq!(fault.pointer, "/outputs/0/camera/box/min/1", "{format}: {fault:?}");
+        assert!(fault.detail.contains("least y is 2.5, the greatest is 1"), "{fault:?}");
+    }
+    // a box without height is none that is exchanged
+    png(&json!({ "camera": { "box": { "min": [-1, 1, -1], "max": [1, 1, 1] } } }));
+}
+
+#[test]
 fn cameras_that_look_nowhere_are_refused_at_their_place() {
     for format in ["png", "svg", "apng"] {
         let found = |camera: Value| faults(&cube(&json!(1), &json!({ "format": format, "camera": camera })));

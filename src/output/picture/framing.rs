@@ -19,10 +19,21 @@ pub(crate) fn boxed(values: &mut Values, [min, max]: [Vector; 2], legend_px: u32
     values.set(&CAMERA, Value::Group(camera));
 }
 
-/// Refuses a camera that looks nowhere, and one to which nothing is up, where they count: not for curves in the plane.
+/// Refuses a box whose corners are exchanged; and a camera that looks nowhere, and one to which nothing is up, where
+/// they count: not for curves in the plane.
 pub(crate) fn check(kind: ShapeKind, values: &Values) -> Result<(), Fault> {
-    let is_plane = matches!(kind, ShapeKind::Curves { dimension: 1..=2 });
-    let Some(camera) = values.group(CAMERA.name).filter(|_| !is_plane) else { return Ok(()) };
+    let Some(camera) = values.group(CAMERA.name) else { return Ok(()) };
+    let corners = camera.group(BOX.name).and_then(|corners| corners.vector("min").zip(corners.vector("max")));
+    if let Some((min, max)) = corners
+        && let Some(axis) = (0..3).find(|&axis| min[axis] > max[axis])
+    {
+        let (name, low, high) = (["x", "y", "z"][axis], min[axis], max[axis]);
+        let detail = format!("the least {name} is {low}, the greatest is {high}; exchange them");
+        return Err(Fault::new(format!("/camera/box/min/{axis}"), detail));
+    }
+    if matches!(kind, ShapeKind::Curves { dimension: 1..=2 }) {
+        return Ok(());
+    }
     let is_nothing = |v: Vector| v.iter().all(|c| c.abs() <= 0.0);
     if camera.vector("up").is_some_and(is_nothing) {
         let detail = "a direction of length 0 points nowhere; give one like [0, 1, 0], or leave it out";
