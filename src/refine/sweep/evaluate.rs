@@ -5,8 +5,8 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::bundle::{Bundle, FUNCTIONALS, SUMS_AT_A_TIME};
-use super::grid::at_least;
 use super::lattice::last;
+use super::line_buffer::LineBuffer;
 use super::patch_evaluator::{PatchEvaluator, ROWS_PER_BAND, ValueRule};
 use super::program::Sweep;
 use super::stencils::Stencils;
@@ -82,9 +82,9 @@ struct BandRun<'a, const W: usize> {
 #[derive(Default)]
 struct BandBuffers<const W: usize> {
     /// The points of a band, with those within reach around them.
-    points: Vec<f64>,
+    points: LineBuffer,
     /// The functionals of a row.
-    functionals: [Vec<f64>; FUNCTIONALS],
+    functionals: [LineBuffer; FUNCTIONALS],
     /// For each evaluator the values of the band, as far as they lie on the sides of the patch.
     values: Vec<Vec<[f64; W]>>,
 }
@@ -126,7 +126,7 @@ impl<'a, const W: usize> BandRun<'a, W> {
         let BandBuffers { points, functionals, values } = buffers;
         let grid = &self.evaluators[0];
         let len = grid.band_points(ROWS_PER_BAND);
-        at_least(points, len * W + SUMS_AT_A_TIME);
+        let points = points.first(len * W + SUMS_AT_A_TIME);
         values.resize_with(self.evaluators.len(), || vec![[0.0; W]; len]);
         let copy = |first: u32, out: &mut [[f64; W]]| out.copy_from_slice(&self.points[first as usize..][..out.len()]);
         grid.gather(patch, rows, copy, points.as_chunks_mut().0);

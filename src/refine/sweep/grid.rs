@@ -4,6 +4,7 @@ use std::ops::{Range, RangeInclusive};
 
 use super::kernel::{FlatGroup, FlatMask, differences, sum_at};
 use super::lattice::{LATTICE_AXES, after, cell};
+use super::line_buffer::LineBuffer;
 use super::mask::{LineMasks, Pass};
 use super::planes::{MaskGroup, PLANES, PlaneMask};
 use super::upcoming::Upcoming;
@@ -176,16 +177,9 @@ pub(super) struct GridLine {
 /// The points of a grid under refinement; before a round only the first plane is used.
 #[derive(Debug, Default)]
 pub(super) struct Planes {
-    pub(super) now: [Vec<f64>; PLANES],
-    next: [Vec<f64>; PLANES],
-    anchor: Vec<f64>,
-}
-
-/// Extends a buffer to at least `len` values and keeps its content.
-pub(super) fn at_least(buffer: &mut Vec<f64>, len: usize) {
-    if buffer.len() < len {
-        buffer.resize(len, 0.0);
-    }
+    pub(super) now: [LineBuffer; PLANES],
+    next: [LineBuffer; PLANES],
+    anchor: LineBuffer,
 }
 
 impl Planes {
@@ -222,11 +216,12 @@ impl Planes {
         upcoming: &mut Upcoming<'_>,
     ) {
         let len = size.len();
-        self.now.iter_mut().chain(&mut self.next).for_each(|plane| at_least(plane, len));
+        for plane in self.now[1..].iter_mut().chain(&mut self.next) {
+            plane.first(len);
+        }
         let pushes = passes.iter().any(|pass| pass.is == FlatUse::Push);
         if pushes {
-            at_least(&mut self.anchor, len);
-            self.anchor[..len].copy_from_slice(&self.now[0][..len]);
+            self.anchor.first(len).copy_from_slice(&self.now[0][..len]);
         }
         for pass in passes {
             match pass.is {
@@ -273,7 +268,7 @@ impl Planes {
 fn draw_line(
     pass: &FlatPass,
     source: &[&[f64]; PLANES],
-    next: &mut [Vec<f64>; PLANES],
+    next: &mut [LineBuffer; PLANES],
     size: GridSize,
     line: GridLine,
 ) {

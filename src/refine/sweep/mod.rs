@@ -16,6 +16,7 @@ mod kernel;
 mod lanes;
 mod lattice;
 mod line;
+mod line_buffer;
 mod mask;
 mod numbering;
 mod patch_evaluator;

@@ -6,8 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::block::{Block, BlockReceiver, Stack};
-use super::grid::{GridLine, GridSize, Planes, at_least};
+use super::grid::{GridLine, GridSize, Planes};
 use super::lattice::{CornerFrame, axis, cell, corner, sector};
+use super::line_buffer::LineBuffer;
 use super::program::{Flat, Sweep};
 use super::star::StarWork;
 use super::upcoming::Upcoming;
@@ -104,7 +105,7 @@ pub(super) struct SweepRun<'a, const W: usize> {
 pub(super) struct Worker<const W: usize> {
     planes: Planes,
     /// Refined grids of patches that are refined further block by block; one grid per round.
-    woven: Vec<Vec<f64>>,
+    woven: Vec<LineBuffer>,
     /// For each vertex of the patches the index of the first point of its star; [`NONE`] if the star is not refined
     /// yet.
     star_of: Vec<u32>,
@@ -169,8 +170,7 @@ impl<const W: usize> SweepRun<'_, W> {
         let size = sweep.size(0, W, grids);
         let len = size.len();
         worker.is_plain = patches.clone().all(|patch| sweep.surface.is_plain(patch));
-        at_least(&mut worker.planes.now[0], len);
-        worker.planes.now[0][..len].fill(0.0);
+        worker.planes.now[0].first(len).fill(0.0);
         for (place, patch) in patches.clone().enumerate() {
             let corners =
                 sweep.surface.patches.half_edges(patch).map(|half| sweep.surface.patches.vertex(half) as usize);
@@ -246,7 +246,7 @@ impl<const W: usize> SweepRun<'_, W> {
             return Ok(());
         }
         if worker.woven.len() <= round {
-            worker.woven.resize_with(round + 1, Vec::new);
+            worker.woven.resize_with(round + 1, LineBuffer::default);
         }
         let mut woven = std::mem::take(&mut worker.woven[round]);
         let grids = stack.grids.min(self.flat.grids(round + 1));
@@ -296,9 +296,7 @@ impl<const W: usize> SweepRun<'_, W> {
             if is_beyond || !part.blocks().any(|(_, block)| target.wants(block, next.cells)) {
                 continue;
             }
-            let coarse = &mut worker.planes.now[0];
-            at_least(coarse, next.len());
-            let rows = coarse[..next.len()].chunks_exact_mut(next.stride() * next.step());
+            let rows = worker.planes.now[0].first(next.len()).chunks_exact_mut(next.stride() * next.step());
             for (j, row) in rows.enumerate() {
                 let from = ((offset[1] + j) * fine.stride() + offset[0]) * fine.step();
                 row.copy_from_slice(&woven[from..from + row.len()]);

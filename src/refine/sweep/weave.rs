@@ -1,6 +1,7 @@
 //! Interleaves the planes of a refined grid into rows of points.
 
-use super::grid::{GridSize, Planes, at_least};
+use super::grid::{GridSize, Planes};
+use super::line_buffer::LineBuffer;
 
 /// A row of the refined grids of a stack, which take their points from two planes alternately.
 pub(super) struct GridRow<'a, const W: usize> {
@@ -60,9 +61,9 @@ fn pair_up<'a, const W: usize>(
 
 /// Interleaves the planes of a stack of grids into the grids that are refined in the next round. These are divided into
 /// stacks of the size `fine`, one after the other.
-pub(super) fn weave<const W: usize>(planes: &Planes, size: GridSize, fine: GridSize, out: &mut Vec<f64>) {
+pub(super) fn weave<const W: usize>(planes: &Planes, size: GridSize, fine: GridSize, out: &mut LineBuffer) {
     let stacks = size.grids / fine.grids;
-    at_least(out, stacks * fine.len());
+    let out = out.first(stacks * fine.len());
     let halo = size.halo.cast_signed();
     let length = fine.stride() * fine.step();
     // row by row, as all stacks share the lines of memory of a row
