@@ -151,7 +151,7 @@ struct FaceRun {
 }
 
 impl FaceRun {
-    /// Sets the sums of the vertices of this part, the first of which is `start`.
+    /// Sets the sums of the vertices that this part alone has, the first of which is `start`, and lists the others.
     fn add(&mut self, of_face: impl Fn(&[u32]) -> [f64; 3], start: u32, own: &mut [[f64; 3]]) {
         let Self { faces, vectors, shared } = self;
         vectors.clear();

@@ -51,7 +51,7 @@ impl Block {
 
 /// Blocks at the same part of consecutive patches, whose grids are refined together.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Stack {
+pub(super) struct BlockStack {
     pub(super) first: Block,
     /// Number of patches.
     pub(super) patches: usize,
@@ -59,7 +59,7 @@ pub(super) struct Stack {
     pub(super) grids: usize,
 }
 
-impl Stack {
+impl BlockStack {
     /// Returns each block with its place in the stack.
     pub(super) fn blocks(self) -> impl Iterator<Item = (usize, Block)> {
         (0..self.patches).map(move |place| (place, Block { patch: self.first.patch + place, ..self.first }))
@@ -76,5 +76,5 @@ pub(super) trait BlockReceiver<const W: usize> {
     fn expect<'a>(&'a self, _: &Sweep, _size: GridSize, _block: Block, _spans: &mut Vec<&'a [f64]>) {}
 
     /// Receives the points of blocks; `size` is that of their grids before the last round.
-    fn take(&mut self, sweep: &Sweep, size: GridSize, stack: Stack, planes: &Planes);
+    fn take(&mut self, sweep: &Sweep, size: GridSize, stack: BlockStack, planes: &Planes);
 }

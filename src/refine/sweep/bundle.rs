@@ -3,7 +3,7 @@
 
 use multiversion::multiversion;
 
-use super::line_buffer::LineBuffer;
+use super::aligned::AlignedBuffer;
 
 /// The largest number of functionals in a bundle: a position and two tangents.
 pub(super) const FUNCTIONALS: usize = 3;
@@ -45,7 +45,7 @@ impl Bundle {
 
     /// Sets the first `len` values of each row to the sums at consecutive places of `source` from `first` on. Also
     /// computes up to [`SUMS_AT_A_TIME`] sums beyond, which mean nothing.
-    pub(super) fn sums(&self, rows: &mut [LineBuffer; FUNCTIONALS], len: usize, source: &[f64], first: usize) {
+    pub(super) fn sums(&self, rows: &mut [AlignedBuffer; FUNCTIONALS], len: usize, source: &[f64], first: usize) {
         let len = len.next_multiple_of(SUMS_AT_A_TIME);
         let [a, b, c] = rows.each_mut().map(|row| row.first(len));
         match self.n {
@@ -94,7 +94,7 @@ mod tests {
         /// masks name places in different orders or several times.
         #[test]
         fn sums_of_masks(masks in masks(), len in 1_usize..40, source in prop::collection::vec(-1.0..1.0, 80)) {
-            let mut rows = std::array::from_fn(|_| LineBuffer::default());
+            let mut rows = std::array::from_fn(|_| AlignedBuffer::default());
             Bundle::new(&masks).sums(&mut rows, len, &source, 8);
             for (mask, row) in masks.iter().zip(&rows) {
                 for (k, sum) in row[..len].iter().enumerate() {

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::aligned::AlignedBuffer;
 use super::bundle::{Bundle, FUNCTIONALS, SUMS_AT_A_TIME};
 use super::lattice::last;
-use super::line_buffer::LineBuffer;
 use super::patch_evaluator::{PatchEvaluator, ROWS_PER_BAND, ValueRule};
 use super::program::Sweep;
 use super::stencils::Stencils;
@@ -82,9 +82,9 @@ struct BandRun<'a, const W: usize> {
 #[derive(Default)]
 struct BandBuffers<const W: usize> {
     /// The points of a band, with those within reach around them.
-    points: LineBuffer,
+    points: AlignedBuffer,
     /// The functionals of a row.
-    functionals: [LineBuffer; FUNCTIONALS],
+    functionals: [AlignedBuffer; FUNCTIONALS],
     /// For each evaluator the values of the band, as far as they lie on the sides of the patch.
     values: Vec<Vec<[f64; W]>>,
 }

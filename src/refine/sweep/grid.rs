@@ -2,14 +2,14 @@
 
 use std::ops::{Range, RangeInclusive};
 
+use super::aligned::AlignedBuffer;
 use super::kernel::{FlatGroup, FlatMask, differences, sum_at};
 use super::lattice::{LATTICE_AXES, after, cell};
-use super::line_buffer::LineBuffer;
 use super::mask::{LineMasks, Pass};
 use super::planes::{MaskGroup, PLANES, PlaneMask};
 use super::upcoming::Upcoming;
 
-/// One pass, prepared for one size of grid.
+/// One pass, prepared for stacks of one size.
 #[derive(Debug)]
 pub(super) struct FlatPass {
     is: FlatUse,
@@ -74,8 +74,9 @@ impl GridSize {
         (j * self.stride() + i) * self.step() + self.place * self.width
     }
 
-    /// Returns the ranges of values of a plane with points of the refined grid, or at most `beyond` outside it: a range
-    /// for each row of a stack. Rows of a single grid are so short that they are one range, with their halos.
+    /// Returns the ranges of values of a plane with points of the refined grids, or at most `beyond` outside them: a
+    /// range for each row of a stack. For a single grid, whose rows are short or have small halos, one range with the
+    /// halos costs less.
     fn ranges(self, plane: usize, beyond: isize) -> Vec<Range<usize>> {
         let halo = self.halo.cast_signed();
         let [columns, rows] = [0, 1].map(|axis| {
@@ -174,12 +175,12 @@ pub(super) struct GridLine {
     pub(super) from: [isize; 2],
 }
 
-/// The points of a grid under refinement; before a round only the first plane is used.
+/// The points of a stack of grids under refinement; before a round only the first plane is used.
 #[derive(Debug, Default)]
 pub(super) struct Planes {
-    pub(super) now: [LineBuffer; PLANES],
-    next: [LineBuffer; PLANES],
-    anchor: LineBuffer,
+    pub(super) now: [AlignedBuffer; PLANES],
+    next: [AlignedBuffer; PLANES],
+    anchor: AlignedBuffer,
 }
 
 impl Planes {
@@ -193,7 +194,7 @@ impl Planes {
         // every second point belongs to the same plane, in the next cell
         let first = |place: [isize; 2]| {
             let (plane, cell) = cell(place);
-            (&self.now[plane], size.at(cell))
+            (&self.now[plane][..], size.at(cell))
         };
         let (even, odd) = (first(start), first([start[0] + along[0], start[1] + along[1]]));
         let next = size.distance(along);
@@ -268,7 +269,7 @@ impl Planes {
 fn draw_line(
     pass: &FlatPass,
     source: &[&[f64]; PLANES],
-    next: &mut [LineBuffer; PLANES],
+    next: &mut [AlignedBuffer; PLANES],
     size: GridSize,
     line: GridLine,
 ) {

@@ -18,7 +18,7 @@ pub(super) struct FlatGroup {
     pub(super) members: Vec<(u8, isize)>,
 }
 
-/// A mask over the planes of a grid of one size.
+/// A mask over the planes of stacks of one size.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct FlatMask {
     pub(super) groups: Vec<FlatGroup>,

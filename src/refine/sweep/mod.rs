@@ -2,11 +2,12 @@
 //!
 //! A patch is a grid with a halo of cells around it. Triangles use the lower half of such a grid, whose cells are
 //! divided by diagonals. A round (an upsampling and the steps up to the next one) is a few flat loops over the planes
-//! of a grid. Where the grid is not regular around a vertex, small tables then overwrite the points that the loops
-//! computed; along boundaries and creases, masks of curves do. All masks and tables are read off the rows of the
-//! operators. As a symmetric sum does not depend on where a walk around a vertex begins, every point has the same bits
-//! as under the rows of the whole net.
+//! of a grid, or, while patches are small, of a stack of grids, whose points are interleaved. Where the grid is not
+//! regular around a vertex, small tables then overwrite the points that the loops computed; along boundaries and
+//! creases, masks of curves do. All masks and tables are read off the rows of the operators. As a symmetric sum does
+//! not depend on where a walk around a vertex begins, every point has the same bits as under the rows of the whole net.
 
+mod aligned;
 mod block;
 mod bundle;
 mod evaluate;
@@ -16,7 +17,7 @@ mod kernel;
 mod lanes;
 mod lattice;
 mod line;
-mod line_buffer;
+
 mod mask;
 mod numbering;
 mod patch_evaluator;

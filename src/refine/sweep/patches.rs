@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::block::{Block, BlockReceiver, Stack};
+use super::aligned::AlignedBuffer;
+use super::block::{Block, BlockReceiver, BlockStack};
 use super::grid::{GridLine, GridSize, Planes};
 use super::lattice::{CornerFrame, axis, cell, corner, sector};
-use super::line_buffer::LineBuffer;
 use super::program::{Flat, Sweep};
 use super::star::StarWork;
 use super::upcoming::Upcoming;
@@ -104,8 +104,8 @@ pub(super) struct SweepRun<'a, const W: usize> {
 #[derive(Debug, Default)]
 pub(super) struct Worker<const W: usize> {
     planes: Planes,
-    /// Refined grids of patches that are refined further block by block; one grid per round.
-    woven: Vec<LineBuffer>,
+    /// For each round but the last the refined grids: the stacks of the next round, one after the other.
+    woven: Vec<AlignedBuffer>,
     /// For each vertex of the patches the index of the first point of its star; [`NONE`] if the star is not refined
     /// yet.
     star_of: Vec<u32>,
@@ -150,8 +150,8 @@ impl<const W: usize> SweepRun<'_, W> {
             let turned = surface.is_turned(first);
             let most = self.flat.grids(0);
             let alike = rest.clone().take(most).take_while(|&patch| surface.is_turned(patch) == turned).count();
-            // places of a stack that stay empty cost as much as others
-            let (n, grids) = if 2 * alike > most { (alike, most) } else { (1, 1) };
+            // empty places of a stack cost as much as others, and a single grid costs a fifth more than a place
+            let (n, grids) = if 4 * alike >= 3 * most { (alike, most) } else { (1, 1) };
             self.stack(first..first + n, grids, worker, target)?;
             rest.start += n;
         }
@@ -175,14 +175,14 @@ impl<const W: usize> SweepRun<'_, W> {
             let corners =
                 sweep.surface.patches.half_edges(patch).map(|half| sweep.surface.patches.vertex(half) as usize);
             corners.for_each(|v| self.star(v, worker));
-            let (coarse, size) = (&mut worker.planes.now[0], size.stacked(place));
+            let (coarse, size) = (&mut worker.planes.now[0][..], size.stacked(place));
             sweep.surface.gather(&sweep.orders[0], patch, [size.cells, sweep.halo], |place, v| {
                 let at = size.at(place);
                 coarse[at..at + W].copy_from_slice(&self.start[v as usize]);
             });
         }
         let block = Block { patch: patches.start, at: [0, 0], pieces: size.cells };
-        self.descend(0, Stack { first: block, patches: patches.len(), grids }, worker, target)
+        self.descend(0, BlockStack { first: block, patches: patches.len(), grids }, worker, target)
     }
 
     /// Counts the faces since the last report as done.
@@ -218,7 +218,7 @@ impl<const W: usize> SweepRun<'_, W> {
     fn descend(
         &self,
         round: usize,
-        stack: Stack,
+        stack: BlockStack,
         worker: &mut Worker<W>,
         target: &mut impl BlockReceiver<W>,
     ) -> Result<(), Stopped> {
@@ -246,20 +246,20 @@ impl<const W: usize> SweepRun<'_, W> {
             return Ok(());
         }
         if worker.woven.len() <= round {
-            worker.woven.resize_with(round + 1, LineBuffer::default);
+            worker.woven.resize_with(round + 1, AlignedBuffer::default);
         }
         let mut woven = std::mem::take(&mut worker.woven[round]);
         let grids = stack.grids.min(self.flat.grids(round + 1));
         let fine = GridSize { cells: 2 * size.cells, grids, ..size };
         weave::<W>(&worker.planes, size, fine, &mut woven);
-        let stack = Stack { first: stack.first.refined(), ..stack };
+        let stack = BlockStack { first: stack.first.refined(), ..stack };
         if fine.cells == sweep.rounds[round + 1].cells && grids == stack.grids {
             std::mem::swap(&mut woven, &mut worker.planes.now[0]);
             worker.woven[round] = woven;
             return self.descend(round + 1, stack, worker, target);
         }
         for ((place, first), woven) in stack.blocks().step_by(grids).zip(woven.chunks_exact(fine.len())) {
-            let part = Stack { first, patches: grids.min(stack.patches - place), grids };
+            let part = BlockStack { first, patches: grids.min(stack.patches - place), grids };
             self.divide(round, (woven, fine), part, worker, target)?;
         }
         worker.woven[round] = woven;
@@ -267,7 +267,7 @@ impl<const W: usize> SweepRun<'_, W> {
     }
 
     /// Returns the memory where the points of blocks will be written, if the processor can be asked for it.
-    fn upcoming<'t>(&self, size: GridSize, stack: Stack, target: &'t impl BlockReceiver<W>) -> Upcoming<'t> {
+    fn upcoming<'t>(&self, size: GridSize, stack: BlockStack, target: &'t impl BlockReceiver<W>) -> Upcoming<'t> {
         let mut spans = Vec::new();
         if Upcoming::IS_FETCHED {
             stack.blocks().for_each(|(place, block)| target.expect(self.sweep, size.stacked(place), block, &mut spans));
@@ -281,7 +281,7 @@ impl<const W: usize> SweepRun<'_, W> {
         &self,
         round: usize,
         (woven, fine): (&[f64], GridSize),
-        stack: Stack,
+        stack: BlockStack,
         worker: &mut Worker<W>,
         target: &mut impl BlockReceiver<W>,
     ) -> Result<(), Stopped> {
@@ -292,7 +292,7 @@ impl<const W: usize> SweepRun<'_, W> {
             let at: [usize; 2] = std::array::from_fn(|axis| refined.at[axis] + offset[axis]);
             let part = Block { at, ..refined };
             let is_beyond = self.sweep.tile() == Tile::Triangle && at[0] + at[1] >= refined.pieces;
-            let part = Stack { first: part, ..stack };
+            let part = BlockStack { first: part, ..stack };
             if is_beyond || !part.blocks().any(|(_, block)| target.wants(block, next.cells)) {
                 continue;
             }

@@ -34,12 +34,12 @@ const MAX_LINE_KINDS: usize = 4;
 /// tenth longer; twice as many make no measurable difference.
 const STACK: usize = 16;
 
-/// Maximum number of values in a plane of a stack: 32 KB, so that eight planes fit into half of a core's own cache.
-/// With half of it, mixed meshes take a twentieth longer; with twice of it, large patches do.
-const STACK_VALUES: usize = 4_096;
+/// Maximum number of points in a plane of a stack: 32 KB of three coordinates, so that eight planes take a quarter of a
+/// core's own cache. With half of it, mixed meshes take a twentieth longer; with twice of it, large patches do.
+const STACK_POINTS: usize = 1_365;
 
-/// Minimum number of grids in a stack. With half as many, rows are so short that large patches take a tenth longer; with
-/// twice as many, stacks end a round earlier, which makes no measurable difference.
+/// Minimum number of grids in a stack. With half as many, rows are so short that large patches take a tenth longer;
+/// with twice as many, stacks end a round earlier, which makes no measurable difference.
 const LEAST_STACK: usize = 4;
 
 /// The sweep of a net through the rounds of a plan.
@@ -72,7 +72,8 @@ pub(super) struct Flat {
     single: Vec<Vec<Vec<FlatPass>>>,
     /// The same on stacks, for the first rounds.
     stacked: Vec<Vec<Vec<FlatPass>>>,
-    /// The number of grids of a stack in each round; 1 if the grids are refined one by one.
+    /// The number of grids of a stack in each round; 1 if the grids are refined one by one. They are powers of two that
+    /// never grow, so that each stack divides into those of the next round.
     grids: Vec<usize>,
 }
 
@@ -271,7 +272,7 @@ impl Sweep {
     pub(super) fn flat(&self, width: usize, patches: usize) -> Flat {
         let most = patches.next_power_of_two().min(STACK);
         let grids = |round: usize| {
-            let fitting = most.min(STACK_VALUES / self.size(round, width, 1).len());
+            let fitting = most.min(STACK_POINTS / self.size(round, 1, 1).len());
             if fitting < LEAST_STACK { 1 } else { 1 << fitting.ilog2() }
         };
         let grids: Vec<usize> = (0..self.rounds.len()).map(grids).collect();

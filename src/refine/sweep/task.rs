@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::block::{Block, BlockReceiver, Stack};
+use super::block::{Block, BlockReceiver, BlockStack};
 use super::grid::{GridSize, Planes};
 use super::lattice::CornerFrame;
 use super::numbering::RowStarts;
@@ -129,7 +129,7 @@ impl<const W: usize> BlockReceiver<W> for PatchRun<'_, W> {
         spans.push(self.inner[span].as_flattened());
     }
 
-    fn take(&mut self, sweep: &Sweep, size: GridSize, stack: Stack, planes: &Planes) {
+    fn take(&mut self, sweep: &Sweep, size: GridSize, stack: BlockStack, planes: &Planes) {
         let first = stack.first.refined();
         let (start, rows) = rows_inside(sweep.surface.tile, size, first);
         let starts = |(_, block): (usize, Block)| sweep.orders[1].rows(block.patch, start, rows.len());

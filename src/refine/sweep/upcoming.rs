@@ -5,9 +5,7 @@
 
 use std::vec::IntoIter;
 
-/// Number of values in a line of memory, which a processor fetches at once. Where lines are longer, some are asked for
-/// twice.
-const LINE: usize = 64 / size_of::<f64>();
+use super::aligned::LINE;
 
 /// Number of sums between two portions. Half of it, with half the lines, makes no measurable difference; all lines at
 /// once gain nothing.

@@ -1,14 +1,14 @@
 //! Interleaves the planes of a refined grid into rows of points.
 
+use super::aligned::AlignedBuffer;
 use super::grid::{GridSize, Planes};
-use super::line_buffer::LineBuffer;
 
 /// A row of the refined grids of a stack, which take their points from two planes alternately.
 pub(super) struct GridRow<'a, const W: usize> {
     even: &'a [[f64; W]],
     odd: &'a [[f64; W]],
-    /// Number of points from one point of the grid to the next in a plane.
-    step: usize,
+    /// Number of grids in the stack.
+    grids: usize,
 }
 
 impl<'a, const W: usize> GridRow<'a, W> {
@@ -16,35 +16,36 @@ impl<'a, const W: usize> GridRow<'a, W> {
         let start = size.at([0, (row / 2).cast_signed()]);
         let range = start..start + (size.cells + 1) * size.step();
         let plane = |odd: usize| planes.now[odd + 2 * (row % 2)][range.clone()].as_chunks().0;
-        Self { even: plane(0), odd: plane(1), step: size.grids }
+        Self { even: plane(0), odd: plane(1), grids: size.grids }
     }
 
     /// Copies the points of the grid at a place of the stack, from column `start` on, to `out`.
     #[inline]
     pub(super) fn copy(&self, place: usize, start: usize, out: &mut [[f64; W]]) {
-        let [even, odd] = [self.even, self.odd].map(|plane| &plane[start / 2 * self.step + place..]);
-        interleave(even, odd, self.step, start % 2 == 1, out);
+        let [even, odd] = [self.even, self.odd].map(|plane| &plane[start / 2 * self.grids + place..]);
+        interleave(even, odd, self.grids, start % 2 == 1, out);
     }
 }
 
-/// Fills `out` with `even[0], odd[0], even[step], odd[step], ...`, without the first one if `skips` is set.
+/// Fills `out` with the points of one grid of a stack: `even[0], odd[0], even[grids], odd[grids], ...`, without the
+/// first one if `skips` is set.
 #[inline]
-fn interleave<const W: usize>(even: &[[f64; W]], odd: &[[f64; W]], step: usize, skips: bool, out: &mut [[f64; W]]) {
+fn interleave<const W: usize>(even: &[[f64; W]], odd: &[[f64; W]], grids: usize, skips: bool, out: &mut [[f64; W]]) {
     let (even, odd, out) = match out.split_first_mut() {
         Some((first, rest)) if skips => {
             *first = odd[0];
-            (even.get(step..).unwrap_or_default(), odd.get(step..).unwrap_or_default(), rest)
+            (&even[grids..], &odd[grids..], rest)
         }
         _ => (even, odd, out),
     };
     let (pairs, last) = out.as_chunks_mut::<2>();
     if let [last] = last {
-        *last = even[pairs.len() * step];
+        *last = even[pairs.len() * grids];
     }
-    if step == 1 {
+    if grids == 1 {
         pair_up(pairs, even.iter().zip(odd));
     } else {
-        pair_up(pairs, even.iter().step_by(step).zip(odd.iter().step_by(step)));
+        pair_up(pairs, even.iter().step_by(grids).zip(odd.iter().step_by(grids)));
     }
 }
 
@@ -61,7 +62,7 @@ fn pair_up<'a, const W: usize>(
 
 /// Interleaves the planes of a stack of grids into the grids that are refined in the next round. These are divided into
 /// stacks of the size `fine`, one after the other.
-pub(super) fn weave<const W: usize>(planes: &Planes, size: GridSize, fine: GridSize, out: &mut LineBuffer) {
+pub(super) fn weave<const W: usize>(planes: &Planes, size: GridSize, fine: GridSize, out: &mut AlignedBuffer) {
     let stacks = size.grids / fine.grids;
     let out = out.first(stacks * fine.len());
     let halo = size.halo.cast_signed();

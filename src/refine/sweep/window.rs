@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use super::block::{Block, BlockReceiver, Stack};
+use super::block::{Block, BlockReceiver, BlockStack};
 use super::grid::{GridSize, Planes};
 use super::patches::{SweepRun, Worker};
 use super::places::{Span, SweepPlaces, spans};
@@ -210,7 +210,7 @@ impl BlockReceiver<3> for GridWindow<'_> {
         })
     }
 
-    fn take(&mut self, _: &Sweep, size: GridSize, stack: Stack, planes: &Planes) {
+    fn take(&mut self, _: &Sweep, size: GridSize, stack: BlockStack, planes: &Planes) {
         let cells = 2 * size.cells;
         let at = stack.first.at.map(|x| 2 * x);
         let [columns, rows] =

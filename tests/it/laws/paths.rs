@@ -136,6 +136,18 @@ fn closed_nets_of_quads_are_swept_to_the_bits_of_whole_nets() {
     }
 }
 
+/// Grids of many patches stay together until they are large, those of points of few coordinates with the others.
+#[test]
+fn many_large_patches_are_swept_to_the_bits_of_whole_nets() {
+    let net = nets::torus(3, 4);
+    let heat: Vec<usize> = (0..net.positions.len()).map(|v| v * v % 7).collect();
+    let place: Vec<[usize; 2]> = (0..net.positions.len()).map(|v| [v, v * v % 5]).collect();
+    let extras = json!({ "channels": { "heat": heat, "place": place } });
+    for plan in [json!({ "preset": "catmull-clark" }), word("UCCP")] {
+        assert!(compare(&net, &extras, &plan, 6), "{plan} is not swept");
+    }
+}
+
 #[test]
 fn boundaries_and_creases_are_swept_to_the_bits_of_whole_nets() {
     for boundary in ["edge-only", "edge-and-corner", "none"] {

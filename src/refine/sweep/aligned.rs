@@ -1,23 +1,25 @@
-//! Buffers whose values begin at a line of memory: loops then store whole registers within lines, and load more of them
-//! so.
+//! Buffers whose values begin at a cache line: loops over stacks of eight grids and more then load and store whole
+//! registers within lines, and other loops cross fewer lines.
 
 use std::ops::{Deref, DerefMut};
 
-/// Number of bytes in a line of memory. Where lines are longer, some registers of values lie across two lines.
+/// Number of bytes in a cache line. With half of it, registers of 64 bytes may cross lines; twice of it changes nothing
+/// but memory.
 const LINE_BYTES: usize = 64;
 
-/// Number of values in a line.
-const LINE: usize = LINE_BYTES / size_of::<f64>();
+/// Number of values in a cache line, which a processor fetches at once. Where lines are longer, some are asked for
+/// twice.
+pub(super) const LINE: usize = LINE_BYTES / size_of::<f64>();
 
-/// Values that begin at a line of memory. No value depends on where that is.
+/// Values that begin at a cache line. No value depends on where that is.
 #[derive(Debug, Default)]
-pub(super) struct LineBuffer {
+pub(super) struct AlignedBuffer {
     values: Vec<f64>,
     /// Index of the first value that counts.
     start: usize,
 }
 
-impl LineBuffer {
+impl AlignedBuffer {
     /// Returns the first `len` values. A buffer that is shorter is extended, and what it held is lost.
     pub(super) fn first(&mut self, len: usize) -> &mut [f64] {
         if self.len() < len {
@@ -29,7 +31,7 @@ impl LineBuffer {
     }
 }
 
-impl Deref for LineBuffer {
+impl Deref for AlignedBuffer {
     type Target = [f64];
 
     fn deref(&self) -> &[f64] {
@@ -37,7 +39,7 @@ impl Deref for LineBuffer {
     }
 }
 
-impl DerefMut for LineBuffer {
+impl DerefMut for AlignedBuffer {
     fn deref_mut(&mut self) -> &mut [f64] {
         &mut self.values[self.start..]
     }
