@@ -83,8 +83,8 @@ pub fn or_up(normal: [f64; 3]) -> [f64; 3] {
 #[inline]
 pub fn area_vector(face: &[u32], positions: &[[f64; 3]], scale: f64) -> [f64; 3] {
     if let &[a, b, c, d] = face {
-        // Most faces are quads, whose sum needs no loop and has the same bits. Spokes are written out, as functions that
-        // map arrays take three times as long here.
+        // Most faces are quads, whose sum needs no loop and has the same bits. Spokes are written out, as functions
+        // that map arrays take three times as long here.
         let [a, b, c, d] =
             [&positions[a as usize], &positions[b as usize], &positions[c as usize], &positions[d as usize]];
         let a = [a[0] * scale, a[1] * scale, a[2] * scale];
