@@ -42,6 +42,7 @@ pub(super) struct GridSize {
     pub(super) cells: usize,
     pub(super) halo: usize,
     pub(super) width: usize,
+    /// Number of grids in the stack.
     pub(super) grids: usize,
     /// The place of the grid in the stack.
     pub(super) place: usize,
@@ -141,8 +142,7 @@ impl FlatPass {
             }
             _ => Vec::new(),
         };
-        let mask =
-            |plane: usize| FlatMask::new(flat(&planes[plane]), size.len(), size.ranges(plane, beyond).into_iter());
+        let mask = |plane: usize| FlatMask::new(flat(&planes[plane]), size.len(), size.ranges(plane, beyond));
         Self { is, planes: std::array::from_fn(mask), wanted, lines }
     }
 

@@ -30,12 +30,12 @@ pub(super) struct FlatMask {
 
 impl FlatMask {
     /// Creates a mask over planes of `len` values, whose sums are needed in the ranges `wanted`.
-    pub(super) fn new(groups: Vec<FlatGroup>, len: usize, wanted: impl Iterator<Item = Range<usize>>) -> Self {
+    pub(super) fn new(groups: Vec<FlatGroup>, len: usize, wanted: Vec<Range<usize>>) -> Self {
         let distances = || groups.iter().flat_map(|group| &group.members).map(|&(_, distance)| distance);
         let low = distances().min().unwrap_or(0).min(0).unsigned_abs();
         let high = distances().max().unwrap_or(0).max(0).unsigned_abs();
         let possible = |range: Range<usize>| range.start.max(low)..range.end.min(len - high);
-        let ranges = wanted.map(possible).filter(|range| !range.is_empty()).collect();
+        let ranges = wanted.into_iter().map(possible).filter(|range| !range.is_empty()).collect();
         Self { sizes: groups.iter().map(|group| group.members.len()).collect(), groups, ranges }
     }
 

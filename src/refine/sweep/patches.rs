@@ -290,9 +290,8 @@ impl<const W: usize> SweepRun<'_, W> {
         for corner in [[0, 0], [1, 0], [0, 1], [1, 1]].into_iter().filter(|corner| corner.iter().all(|&x| x < parts)) {
             let offset = corner.map(|x| x * next.cells);
             let at: [usize; 2] = std::array::from_fn(|axis| refined.at[axis] + offset[axis]);
-            let part = Block { at, ..refined };
             let is_beyond = self.sweep.tile() == Tile::Triangle && at[0] + at[1] >= refined.pieces;
-            let part = BlockStack { first: part, ..stack };
+            let part = BlockStack { first: Block { at, ..refined }, ..stack };
             if is_beyond || !part.blocks().any(|(_, block)| target.wants(block, next.cells)) {
                 continue;
             }
