@@ -136,7 +136,8 @@ fn closed_nets_of_quads_are_swept_to_the_bits_of_whole_nets() {
     }
 }
 
-/// Grids of many patches stay together until they are large, those of points of few coordinates with the others.
+/// Four patches are refined as a stack until their grids have become large; channels of one and of two numbers in
+/// stacks of as many grids.
 #[test]
 fn many_large_patches_are_swept_to_the_bits_of_whole_nets() {
     let net = nets::torus(3, 4);
