@@ -3,6 +3,7 @@
 use std::ops::{Range, RangeInclusive};
 
 use super::aligned::AlignedBuffer;
+use super::joint::JointMask;
 use super::kernel::{FlatGroup, FlatMask, differences, sum_at};
 use super::lattice::{LATTICE_AXES, after, cell};
 use super::mask::{LineMasks, Pass};
@@ -13,9 +14,12 @@ use super::upcoming::Upcoming;
 #[derive(Debug)]
 pub(super) struct FlatPass {
     is: FlatUse,
+    /// Whether each plane is computed: it is read later, and points move.
+    moves: [bool; PLANES],
+    /// The masks of all these planes, if there is a loop for them.
+    joint: Option<JointMask>,
+    /// The mask of each plane, where `joint` does not compute it.
     planes: [FlatMask; PLANES],
-    /// Whether later passes read each plane.
-    wanted: [bool; PLANES],
     /// For each line the masks along each axis, or `None` where the line is smooth.
     lines: Vec<Option<Vec<[FlatLine; 2]>>>,
 }
@@ -75,20 +79,21 @@ impl GridSize {
         (j * self.stride() + i) * self.step() + self.place * self.width
     }
 
-    /// Returns the ranges of values of a plane with points of the refined grids, or at most `beyond` outside them: a
-    /// range for each row of a stack. For a single grid, whose rows are short or have small halos, one range with the
-    /// halos costs less.
-    fn ranges(self, plane: usize, beyond: isize) -> Vec<Range<usize>> {
-        let halo = self.halo.cast_signed();
+    /// Returns the ranges of values of planes where any of them has points of the refined grids, or at most `beyond`
+    /// outside these: a range for each row of a stack. For a single grid, whose rows are short or have small halos, one
+    /// range with the halos costs less.
+    fn ranges(self, planes: &[usize], beyond: isize) -> Vec<Range<usize>> {
+        let [halo, cells] = [self.halo, self.cells].map(usize::cast_signed);
         let [columns, rows] = [0, 1].map(|axis| {
-            let odd = (plane >> axis & 1).cast_signed();
-            let first = (1 - beyond - odd).div_euclid(2).max(-halo);
-            let last = (2 * self.cells.cast_signed() + beyond - odd).div_euclid(2).min(self.cells.cast_signed() + halo);
+            let odd = planes.iter().map(|plane| (plane >> axis & 1).cast_signed());
+            let [least, most] = [odd.clone().min(), odd.max()].map(Option::unwrap_or_default);
+            let first = (1 - beyond - most).div_euclid(2).max(-halo);
+            let last = (2 * cells + beyond - least).div_euclid(2).min(cells + halo);
             [first, last]
         });
         let between = |first: [isize; 2], last: [isize; 2]| self.at(first)..self.at(last) + self.step();
         if self.grids == 1 {
-            return vec![between([-halo, rows[0]], [self.cells.cast_signed() + halo, rows[1]])];
+            return vec![between([columns[0], rows[0]], [columns[1], rows[1]])];
         }
         (rows[0]..=rows[1]).map(|row| between([columns[0], row], [columns[1], row])).collect()
     }
@@ -129,12 +134,12 @@ pub(super) fn flat_passes(passes: &[Pass], size: GridSize, beyond: isize) -> Vec
 impl FlatPass {
     fn new(pass: &Pass, size: GridSize, beyond: isize, wanted: [bool; PLANES]) -> Self {
         let flat = |mask: &PlaneMask| mask.iter().map(|group| size.flat(group)).collect::<Vec<_>>();
-        let (is, planes) = match pass {
+        let (is, masks) = match pass {
             Pass::Up(masks) => (FlatUse::Up, masks),
             Pass::Blend { planes, .. } => (FlatUse::Blend, planes),
             Pass::Push(masks) => (FlatUse::Push, masks),
         };
-        let lines = match pass {
+        let lines: Vec<Option<Vec<[FlatLine; 2]>>> = match pass {
             Pass::Blend { lines, .. } => {
                 let line = |mask: &PlaneMask| FlatLine { groups: flat(mask), reach: reach(mask) };
                 let along = |masks: &LineMasks| masks.iter().map(|masks| masks.each_ref().map(line)).collect();
@@ -142,20 +147,43 @@ impl FlatPass {
             }
             _ => Vec::new(),
         };
-        let mask = |plane: usize| FlatMask::new(flat(&planes[plane]), size.len(), size.ranges(plane, beyond));
-        Self { is, planes: std::array::from_fn(mask), wanted, lines }
+        let is_drawn = |plane: usize| lines.iter().flatten().any(|masks| plane <= masks.len());
+        let moves = std::array::from_fn(|plane| {
+            wanted[plane]
+                && match is {
+                    FlatUse::Up => plane > 0,
+                    FlatUse::Blend => is_drawn(plane) || !stays(plane, &masks[plane]),
+                    FlatUse::Push => true,
+                }
+        });
+        let mask = |plane: usize| FlatMask::new(flat(&masks[plane]), size.len(), size.ranges(&[plane], beyond));
+        let mut planes: [FlatMask; PLANES] = std::array::from_fn(mask);
+        let moving: Vec<usize> = (0..PLANES).filter(|&plane| moves[plane]).collect();
+        let groups: Vec<&[FlatGroup]> = moving.iter().map(|&plane| &*planes[plane].groups).collect();
+        let joint = JointMask::new(&groups, is == FlatUse::Push, size.len(), size.ranges(&moving, beyond));
+        if let Some(joint) = &joint {
+            planes.iter_mut().for_each(|mask| mask.keep(|range| joint.without(range)));
+        }
+        Self { is, moves, joint, planes, lines }
     }
 
-    /// Returns whether no point of the plane moves, on lines either.
-    fn keeps(&self, plane: usize) -> bool {
-        let groups = self.planes[plane].groups.as_slice();
-        let stays = |group: &FlatGroup| {
-            let only = (group.weight, &group.members[..]);
-            matches!(only, (1.0, &[(from, 0)]) if from as usize == plane)
-        };
-        let is_drawn = |masks: &Vec<[FlatLine; 2]>| plane <= masks.len();
-        matches!(groups, [group] if stays(group)) && !self.lines.iter().flatten().any(is_drawn)
+    /// Sets the planes that move to the sums of the masks, or adds these to them.
+    fn combine(&self, source: &[&[f64]; PLANES], mut planes: [&mut [f64]; PLANES], upcoming: &mut Upcoming<'_>) {
+        if let Some(joint) = &self.joint {
+            let mut moving =
+                planes.iter_mut().zip(self.moves).filter_map(|(plane, moves)| moves.then_some(&mut **plane));
+            joint.combine(source, std::array::from_fn(|_| moving.next().unwrap_or_default()), upcoming);
+        }
+        let moving = self.planes.iter().zip(planes).zip(self.moves).filter(|(_, moves)| *moves);
+        for ((mask, plane), _) in moving {
+            mask.combine(source, plane, self.is == FlatUse::Push, upcoming);
+        }
     }
+}
+
+/// Returns whether a mask of this plane leaves its points where they are.
+fn stays(plane: usize, mask: &PlaneMask) -> bool {
+    matches!(&mask[..], [MaskGroup { weight: 1.0, members }] if members[..] == [(plane, [0, 0])])
 }
 
 /// Returns the smallest and the largest cell offset of the members of a mask.
@@ -228,13 +256,15 @@ impl Planes {
             match pass.is {
                 FlatUse::Up => {
                     let [coarse, planes @ ..] = &mut self.now;
-                    let source = [&coarse[..len]; PLANES];
-                    for (out, plane) in planes.iter_mut().zip(1..).filter(|&(_, plane)| pass.wanted[plane]) {
-                        pass.planes[plane].combine(&source, &mut out[..len], false, upcoming);
-                    }
+                    let [a, b, c] = planes.each_mut().map(|plane| &mut plane[..len]);
+                    pass.combine(&[&coarse[..len]; PLANES], [&mut [], a, b, c], upcoming);
                 }
                 FlatUse::Blend => self.blend(pass, size, lines, upcoming),
-                FlatUse::Push => self.push(pass, len, upcoming),
+                FlatUse::Push => {
+                    differences(&mut self.next[0][..len], &self.anchor[..len], &self.now[0][..len]);
+                    let planes = self.now.each_mut().map(|plane| &mut plane[..len]);
+                    pass.combine(&[&self.next[0][..len]; PLANES], planes, upcoming);
+                }
             }
         }
     }
@@ -243,23 +273,12 @@ impl Planes {
         let len = size.len();
         let Self { now, next, .. } = self;
         let source = now.each_ref().map(|plane| &plane[..len]);
-        let moved = |plane: usize| pass.wanted[plane] && !pass.keeps(plane);
-        for plane in (0..PLANES).filter(|&plane| moved(plane)) {
-            pass.planes[plane].combine(&source, &mut next[plane][..len], false, upcoming);
-        }
+        pass.combine(&source, next.each_mut().map(|plane| &mut plane[..len]), upcoming);
         for line in lines {
             draw_line(pass, &source, next, size.stacked(line.grid), *line);
         }
-        for plane in (0..PLANES).filter(|&plane| moved(plane)) {
-            std::mem::swap(&mut now[plane], &mut next[plane]);
-        }
-    }
-
-    fn push(&mut self, pass: &FlatPass, len: usize, upcoming: &mut Upcoming<'_>) {
-        differences(&mut self.next[0][..len], &self.anchor[..len], &self.now[0][..len]);
-        let source = [&self.next[0][..len]; PLANES];
-        for (mask, out) in pass.planes.iter().zip(&mut self.now) {
-            mask.combine(&source, &mut out[..len], true, upcoming);
+        for ((now, next), _) in now.iter_mut().zip(next).zip(pass.moves).filter(|(_, moves)| *moves) {
+            std::mem::swap(now, next);
         }
     }
 }
@@ -299,4 +318,49 @@ fn steps_on_line(axis: usize, start: [isize; 2], reach: [[isize; 2]; 2], size: G
         }
     }
     least..=most
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::parameter::Literal;
+    use crate::refine::sweep::mask::{halo, passes};
+    use crate::scheme::operator::Role;
+    use crate::scheme::plan::{Plan, PlanInput, Subject};
+    use crate::shape::tile::Tile;
+
+    fn plan(scheme: &str, tile: Tile) -> Plan {
+        let is_word = scheme.starts_with('U');
+        let split = ("split".to_owned(), Literal::Text("triangle".to_owned()));
+        let input = PlanInput {
+            preset: (!is_word).then(|| scheme.to_owned()),
+            word: is_word.then(|| scheme.to_owned()),
+            parameters: Some(split).filter(|_| is_word && tile == Tile::Triangle).into_iter().collect(),
+            ..PlanInput::default()
+        };
+        Plan::resolve(&input, Subject { is_mesh: true, ..Subject::default() }).expect("a plan for meshes")
+    }
+
+    /// The planes of all schemes that are swept are computed together, as long as they are far from lines.
+    #[test]
+    fn planes_are_computed_together() {
+        let quads = ["catmull-clark", "bilinear", "repeated-averaging", "push-back", "kobbelt", "UCCP", "UCPCP"];
+        let triangles = ["loop", "butterfly", "UC", "UCCP"];
+        let of = |tile| move |scheme| (scheme, tile);
+        for (scheme, tile) in quads.into_iter().map(of(Tile::Quad)).chain(triangles.into_iter().map(of(Tile::Triangle)))
+        {
+            let plan = plan(scheme, tile);
+            let steps = plan.schedule(2).expect("finite parameters");
+            for round in steps.chunk_by(|_, next| next.letter.facts().role != Role::Upsample) {
+                let passes = passes(&plan, round, tile, &[], None).expect("masks");
+                let halo = halo(tile, &passes).expect("a halo");
+                for grids in [1, 16] {
+                    let size = GridSize { cells: 4, halo, width: 3, grids, place: 0 };
+                    for pass in flat_passes(&passes, size, 0) {
+                        assert_eq!(pass.moves.contains(&true), pass.joint.is_some(), "{scheme}: {:?}", pass.planes);
+                    }
+                }
+            }
+        }
+    }
 }

@@ -13,6 +13,7 @@ mod bundle;
 mod evaluate;
 mod fans;
 mod grid;
+mod joint;
 mod kernel;
 mod lanes;
 mod lattice;

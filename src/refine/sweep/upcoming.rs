@@ -3,13 +3,14 @@
 //! A core can wait for few lines of memory at a time, and stores that miss the cache take nearly as long as all sums
 //! of a large result. Asked for in small portions between sums, the lines arrive in time.
 
+use std::ops::Range;
 use std::vec::IntoIter;
 
 use super::aligned::LINE;
 
 /// Number of sums between two portions. Half of it, with half the lines, makes no measurable difference; all lines at
 /// once gain nothing.
-pub(super) const SUMS: usize = 512;
+const SUMS: usize = 512;
 
 /// Number of lines in a portion: those of the largest blocks are then spread over the sums of a round of Catmull-Clark.
 /// With half of it some have not been asked for when they are written; twice of it makes no measurable difference.
@@ -30,8 +31,25 @@ impl<'a> Upcoming<'a> {
         Self { now: &[], later: spans.into_iter() }
     }
 
+    /// Calls `compute` with consecutive parts of the ranges, at each index of which it computes a number of sums, and
+    /// asks for a portion of lines before each.
+    pub(super) fn between(&mut self, ranges: &[Range<usize>], sums: usize, mut compute: impl FnMut(Range<usize>)) {
+        let mut left = 0;
+        for range in ranges {
+            let mut at = range.start;
+            while at < range.end {
+                if left == 0 {
+                    left = if self.fetch() { SUMS / sums } else { usize::MAX };
+                }
+                let n = left.min(range.end - at);
+                compute(at..at + n);
+                (at, left) = (at + n, left - n);
+            }
+        }
+    }
+
     /// Asks for a portion of lines. Returns `false` if all have been asked for.
-    pub(super) fn fetch(&mut self) -> bool {
+    fn fetch(&mut self) -> bool {
         let mut lines = PORTION;
         while lines > 0 {
             if self.now.is_empty() {
