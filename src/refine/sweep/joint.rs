@@ -175,8 +175,17 @@ loops! {
         c: 4 (5) + 5 (10 11 6 0 4 9);
         d: 6 (9) + 7 (10 5 4 8 12 13);
     }
-    // push-back of quads and of triangles
+    // the average of triangles that weighs the ends of edges differently
+    average_triangles_by_ends = 14 {
+        a: 0 (0) + 1 (1 2 3 4 5 6);
+        b: 2 (4) + 3 (0 7) + 4 (3 8 9 5);
+        c: 5 (5) + 6 (10 0) + 7 (11 6 4 9);
+        d: 8 (9) + 9 (10 7) + 10 (5 4 12 13);
+    }
+    // push-back of quads, of quads with latitude lines along either axis, and of triangles
     push_quads += 4 { a: 0 (0); b: 1 (1 0); c: 2 (0 2); d: 3 (0 1 3 2); }
+    push_lanes += 8 { a: 0 (0); b: 1 (1 0); c: 2 (0 2) + 3 (3 4); d: 4 (0 1 5 2) + 5 (3 6 7 4); }
+    push_turned_lanes += 8 { a: 0 (0); b: 1 (1 0) + 2 (2 3); c: 3 (0 4); d: 4 (1 5 4 0) + 5 (2 6 7 3); }
     push_triangles += 3 { a: 0 (0); b: 1 (1 0); c: 2 (0 2); d: 3 (1 2); }
     // the vertices and edge points of Catmull-Clark, whose face points stay
     catmull_clark = 9 { a: 0 (0) + 1 (1 2 3 4) + 2 (5 6 7 8); b: 3 (3) + 4 (6 7); c: 5 (4) + 6 (8 7); }

@@ -140,24 +140,6 @@ fn add_six(out: &mut [f64], w: f64, six: [&[f64]; 6]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
-fn add_two_pairs(out: &mut [f64], w: [f64; 2], pairs: [[&[f64]; 2]; 2]) {
-    let n = out.len();
-    let [[a, b], [c, d]] = pairs.map(|pair| pair.map(|x| &x[..n]));
-    for k in 0..n {
-        out[k] += w[0] * (a[k] + b[k]) + w[1] * (c[k] + d[k]);
-    }
-}
-
-#[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
-fn add_two_quads(out: &mut [f64], w: [f64; 2], quads: [[&[f64]; 4]; 2]) {
-    let n = out.len();
-    let [[a, b, c, d], [e, f, g, h]] = quads.map(|quad| quad.map(|x| &x[..n]));
-    for k in 0..n {
-        out[k] += w[0] * ((a[k] + c[k]) + (b[k] + d[k])) + w[1] * ((e[k] + g[k]) + (f[k] + h[k]));
-    }
-}
-
 /// Sets each `out[k]` to `a[k] - b[k]`.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
 pub(super) fn differences(out: &mut [f64], a: &[f64], b: &[f64]) {
