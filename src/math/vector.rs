@@ -1,6 +1,8 @@
 //! Vectors of a fixed number of coordinates. Sums run from the first coordinate to the last, so the bits are always the
 //! same.
 
+use multiversion::multiversion;
+
 use super::functions::sqrt;
 
 /// A point or a vector of space.
@@ -132,4 +134,43 @@ pub fn unit<const N: usize>(v: [f64; N]) -> [f64; N] {
         return v.map(|x| x / length);
     }
     direction(v).unwrap_or([0.0; N])
+}
+
+/// Scales vectors of space to length 1 as [`unit`] does, to the same bits; the coordinates along each axis lie side by
+/// side.
+///
+/// # Panics
+/// If there are fewer coordinates along the second or the third axis than along the first.
+pub fn units([x, y, z]: [&mut [f64]; 3]) {
+    if are_safe(x, y, z) {
+        return divide_by_lengths(x, y, z);
+    }
+    for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
+        [*x, *y, *z] = unit([*x, *y, *z]);
+    }
+}
+
+/// Returns whether the squared lengths of all vectors are among the [`SAFE_SQUARES`].
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+fn are_safe(x: &[f64], y: &[f64], z: &[f64]) -> bool {
+    let n = x.len();
+    let (y, z) = (&y[..n], &z[..n]);
+    let mut is_unsafe = 0;
+    for k in 0..n {
+        let square = x[k] * x[k] + y[k] * y[k] + z[k] * z[k];
+        is_unsafe |= u64::from(!SAFE_SQUARES.contains(&square));
+    }
+    is_unsafe == 0
+}
+
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+fn divide_by_lengths(x: &mut [f64], y: &mut [f64], z: &mut [f64]) {
+    let n = x.len();
+    let (y, z) = (&mut y[..n], &mut z[..n]);
+    for k in 0..n {
+        let length = sqrt(x[k] * x[k] + y[k] * y[k] + z[k] * z[k]);
+        x[k] /= length;
+        y[k] /= length;
+        z[k] /= length;
+    }
 }

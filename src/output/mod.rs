@@ -40,6 +40,7 @@ mod gltf_pack;
 mod gltf_packing;
 mod gltf_targets;
 mod gltf_views;
+mod grid_normals;
 mod json;
 mod mesh_curvature;
 mod nearest;

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::kept::Kept;
 use crate::math::vector::{cross, minus, plus, times, unit};
 use crate::output::bounds::CoordinateBounds;
+use crate::output::grid_normals::{self, LEAST_PIECES};
 use crate::output::scene::{FaceChunk, MeshSource, OnDemandSource, ROWS_PER_CHUNK, in_chunks};
 use crate::output::vertex_sums::sums;
 use crate::watch::{Stopped, Watch};
@@ -24,6 +25,9 @@ use crate::watch::{Stopped, Watch};
 /// [`Stopped`] when the watch says so.
 pub fn area(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Kept<[f64; 3]>, Stopped> {
     let scale = scale(positions);
+    if let Some(grid) = mesh.quad_grid().filter(|grid| grid.pieces() >= LEAST_PIECES) {
+        return grid_normals::area(mesh, grid, (positions, scale), watch);
+    }
     sums(mesh, |face| area_vector(face, positions, scale), unit, watch)
 }
 

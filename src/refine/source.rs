@@ -6,6 +6,8 @@ use super::refined::{RefinedChannel, RefinedMesh};
 use super::unfolded::Unfolded;
 use crate::shape::attachments::Attachments;
 use crate::shape::creases::CreaseTags;
+use crate::shape::grid::QuadGrid;
+use crate::shape::order::Order;
 use crate::shape::source::{CarriedSource, FaceChunk, MeshSource, NormalSource, Origin, OriginSource, PlaceSource};
 use crate::shape::topology::{NONE, index};
 
@@ -32,6 +34,11 @@ impl MeshSource for RefinedMesh {
 
     fn faces(&self, range: Range<usize>, out: &mut FaceChunk) {
         self.list(&self.base, self.order.order(), range, out);
+    }
+
+    fn quad_grid(&self) -> Option<&QuadGrid> {
+        let Some(Order::Quads(grid)) = self.order.order() else { return None };
+        grid.is_quads().then_some(grid)
     }
 
     fn frames(&self) -> Vec<&dyn MeshSource> {

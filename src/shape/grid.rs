@@ -82,7 +82,7 @@ impl QuadGrid {
     }
 
     /// First inner vertex of all faces.
-    fn first_inner(&self) -> usize {
+    pub(crate) fn first_inner(&self) -> usize {
         self.base.n_vertices() + self.base.n_edges() * (self.n - 1)
     }
 
@@ -114,9 +114,7 @@ impl QuadGrid {
             (patch, out) = out.split_at_mut((n * n - local).min(out.len()));
             f += patch.len();
             if is_quad {
-                let first = self.base.half_edges(base_face).start;
-                let sides = [self.side(first), self.side(first + 1), self.side(first + 2), self.side(first + 3)];
-                quads(n, local, patch, lines_across(&sides, self.first_inner() + self.inner[base_face] as usize));
+                quads(n, local, patch, self.lines(base_face));
             } else {
                 let sides = [0, 1, 2, 3].map(|side| {
                     VertexLine::new(n, |at| {
@@ -127,6 +125,19 @@ impl QuadGrid {
                 quads(n, local, patch, lines_across(&sides, self.first_inside_part(base_face, part) as usize));
             }
         }
+    }
+
+    /// Returns the lines of vertices across a base face that is a quad, by their distance from its first side.
+    pub(crate) fn lines(&self, f: usize) -> impl Fn(usize) -> VertexLine {
+        let first = self.base.half_edges(f).start;
+        let sides = [self.side(first), self.side(first + 1), self.side(first + 2), self.side(first + 3)];
+        let inner = self.first_inner() + self.inner[f] as usize;
+        move |j| lines_across(&sides, inner)(j)
+    }
+
+    /// Returns whether all base faces are quads.
+    pub(crate) fn is_quads(&self) -> bool {
+        self.is_quads
     }
 
     /// Returns the base face that contains face `f`.

@@ -6,7 +6,7 @@ use super::topology::index;
 
 /// The indices of the `n + 1` vertices along a line of a grid.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct VertexLine {
+pub(crate) struct VertexLine {
     n: usize,
     first: u32,
     last: u32,
@@ -32,12 +32,18 @@ impl VertexLine {
     }
 
     /// Returns the index of vertex `i`.
-    fn at(&self, i: usize) -> u32 {
+    pub(crate) fn at(&self, i: usize) -> u32 {
         match i {
             0 => self.first,
             i if i == self.n => self.last,
             i => self.between(i),
         }
+    }
+
+    /// Returns the index of the vertex after the first, and the increment between consecutive inner vertices, modulo
+    /// 2^32.
+    pub(crate) fn between_the_ends(&self) -> [u32; 2] {
+        [self.second, self.step]
     }
 
     /// Returns the vertex at a position other than the first and the last.

@@ -15,7 +15,7 @@ pub mod face_centre_split;
 pub mod grid;
 mod indices;
 pub mod labels;
-mod line;
+pub(crate) mod line;
 pub mod looks;
 pub mod mesh;
 pub mod numbering;

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::attachments::Attachments;
 use super::creases::CreaseTags;
+use super::grid::QuadGrid;
 use super::topology::index;
 
 /// One polygon: `points` holds `n x dimension` coordinates, point after point, in model units.
@@ -57,6 +58,12 @@ pub trait MeshSource: CarriedSource + OriginSource + std::fmt::Debug + Sync {
 
     /// Returns this mesh as a source that computes positions on demand, if it is one.
     fn on_demand(&self) -> Option<&dyn OnDemandSource> {
+        None
+    }
+
+    /// Returns the order of the vertices and of the faces, hidden ones included, if the mesh was split into quads and
+    /// all faces of its input are quads.
+    fn quad_grid(&self) -> Option<&QuadGrid> {
         None
     }
 

@@ -1,0 +1,195 @@
+//! Area normals of meshes whose faces form grids: row by row, the coordinates along each axis side by side.
+
+use multiversion::multiversion;
+use rayon::prelude::*;
+
+use crate::kept::Kept;
+use crate::math::vector::{plus, unit, units};
+use crate::output::scene::{MeshSource, ROWS_PER_CHUNK};
+use crate::shape::grid::QuadGrid;
+use crate::shape::line::VertexLine;
+use crate::watch::{Stopped, Watch};
+
+/// Minimum number of pieces of an input edge for which rows are worth it: with half of it they are shorter than a
+/// register, and face by face is as fast.
+pub(super) const LEAST_PIECES: usize = 4;
+
+/// Number of faces of a part, approximately, which one thread sums at a time. Half of it makes twice as many tasks; twice
+/// of it holds twice the memory.
+const FACES_PER_PART: usize = 4_096;
+
+/// Maximum number of parts that are summed before their shared sums are added: 65,536 faces, at most 60 bytes each.
+/// Half of it leaves work for eight threads only; twice of it holds twice the memory.
+const PARTS_PER_SUM: usize = 16;
+
+/// Returns the [`area`](super::normals::area) normals of a mesh of grids, to the same bits; positions are given with
+/// their [`scale`](super::normals::scale).
+///
+/// Vertices inside input faces belong to the faces of one grid. Contributions to other vertices are kept, and added grid
+/// after grid.
+///
+/// # Errors
+/// [`Stopped`] when the watch says so.
+pub(super) fn area(
+    mesh: &dyn MeshSource,
+    grid: &QuadGrid,
+    positions: (&[[f64; 3]], f64),
+    watch: &Watch,
+) -> Result<Kept<[f64; 3]>, Stopped> {
+    let mut normals = Kept::to_overwrite(mesh.n_vertices());
+    let (shared, inner) = normals.split_at_mut(grid.first_inner());
+    shared.par_chunks_mut(ROWS_PER_CHUNK).for_each(|sums| sums.fill([0.0; 3]));
+    let n = grid.pieces();
+    let per_part = (FACES_PER_PART / (n * n)).max(1);
+    let mut parts: Vec<GridRun> = Vec::new();
+    parts.resize_with(PARTS_PER_SUM, GridRun::default);
+    let per_grid = (n - 1) * (n - 1);
+    for (round, inner) in inner.chunks_mut(PARTS_PER_SUM * per_part * per_grid).enumerate() {
+        watch.check()?;
+        let work = parts.par_iter_mut().zip(inner.par_chunks_mut(per_part * per_grid)).enumerate();
+        work.with_max_len(1).for_each(|(i, (part, inner))| {
+            let first = (round * PARTS_PER_SUM + i) * per_part;
+            for (f, inner) in (first..).zip(inner.chunks_exact_mut(per_grid)) {
+                if mesh.faces_of(f).is_empty() {
+                    inner.fill([0.0; 3]);
+                } else {
+                    part.sum(n, grid.lines(f), positions, inner);
+                }
+            }
+        });
+        for (v, vector) in parts.iter_mut().flat_map(|part| part.given.drain(..)) {
+            let sum = &mut shared[v as usize];
+            *sum = plus(*sum, vector);
+        }
+    }
+    let finish = |sums: &mut [[f64; 3]]| sums.iter_mut().for_each(|sum| *sum = unit(*sum));
+    shared.par_chunks_mut(ROWS_PER_CHUNK).for_each(finish);
+    Ok(normals)
+}
+
+/// The coordinates of a row along each axis.
+type Coordinates = [Vec<f64>; 3];
+
+/// Consecutive grids, and memory for their rows.
+#[derive(Default)]
+struct GridRun {
+    /// The vectors of faces at sides of the grids, each for a vertex there, in the order of the faces.
+    given: Vec<(u32, [f64; 3])>,
+    /// The vertices on the lower and on the upper line of a row of faces.
+    lines: [Coordinates; 2],
+    /// The vectors of the faces in a row, and of those in the row below.
+    vectors: [Coordinates; 2],
+    sums: Coordinates,
+}
+
+impl GridRun {
+    /// Sets the normals inside a grid of `n x n` faces, given by its lines, and keeps what its faces give to the sides.
+    fn sum(
+        &mut self,
+        n: usize,
+        line: impl Fn(usize) -> VertexLine,
+        (positions, scale): (&[[f64; 3]], f64),
+        inner: &mut [[f64; 3]],
+    ) {
+        self.lines.iter_mut().flatten().for_each(|row| row.resize(n + 1, 0.0));
+        self.vectors.iter_mut().flatten().for_each(|row| row.resize(n, 0.0));
+        self.sums.iter_mut().for_each(|row| row.resize(n - 1, 0.0));
+        let mut lower = line(0);
+        read(&lower, (positions, scale), &mut self.lines[1]);
+        for j in 0..n {
+            let upper = line(j + 1);
+            self.lines.swap(0, 1);
+            self.vectors.swap(0, 1);
+            read(&upper, (positions, scale), &mut self.lines[1]);
+            let [lower_row, upper_row] = self.lines.each_ref().map(|line| line.each_ref().map(|row| &row[..]));
+            let [x, y, z] = &mut self.vectors[0];
+            vectors(lower_row, upper_row, x, y, z);
+            self.give(n, j, [&lower, &upper]);
+            if let Some(inner) = j.checked_sub(1).map(|row| &mut inner[row * (n - 1)..][..n - 1]) {
+                let [above, below] = &self.vectors;
+                for ((sums, below), above) in self.sums.iter_mut().zip(below).zip(above) {
+                    around(sums, below, above);
+                }
+                units(self.sums.each_mut().map(|row| &mut row[..]));
+                let [x, y, z] = &self.sums;
+                for (((normal, x), y), z) in inner.iter_mut().zip(x).zip(y).zip(z) {
+                    *normal = [*x, *y, *z];
+                }
+            }
+            lower = upper;
+        }
+    }
+
+    /// Keeps the vectors of row `j` for the vertices on sides.
+    fn give(&mut self, n: usize, j: usize, [lower, upper]: [&VertexLine; 2]) {
+        let [x, y, z] = &self.vectors[0];
+        let is_whole = j == 0 || j + 1 == n;
+        let step = if is_whole { 1 } else { n - 1 };
+        for i in (0..n).step_by(step) {
+            let vector = [x[i], y[i], z[i]];
+            let on_side = |i: usize, j: usize| i == 0 || j == 0 || i == n || j == n;
+            let corners = [(lower, i, j), (lower, i + 1, j), (upper, i + 1, j + 1), (upper, i, j + 1)];
+            let corners = corners.into_iter().filter(|&(_, i, j)| on_side(i, j));
+            self.given.extend(corners.map(|(line, i, _)| (line.at(i), vector)));
+        }
+    }
+}
+
+/// Sets a row to the positions along a line, multiplied by `scale`.
+fn read(line: &VertexLine, (positions, scale): (&[[f64; 3]], f64), row: &mut Coordinates) {
+    let [x, y, z] = row.each_mut().map(|row| &mut row[..]);
+    let n = x.len() - 1;
+    for i in [0, n] {
+        let point = positions[line.at(i) as usize];
+        [x[i], y[i], z[i]] = [point[0] * scale, point[1] * scale, point[2] * scale];
+    }
+    let [first, step] = line.between_the_ends();
+    let (x, y, z) = (&mut x[1..n], &mut y[1..n], &mut z[1..n]);
+    let between = x.iter_mut().zip(y).zip(z);
+    if step == 1 {
+        let rows = &positions[first as usize..][..n - 1];
+        between.zip(rows).for_each(|(((x, y), z), point)| {
+            (*x, *y, *z) = (point[0] * scale, point[1] * scale, point[2] * scale);
+        });
+    } else {
+        let mut v = first;
+        for ((x, y), z) in between {
+            let point = &positions[v as usize];
+            (*x, *y, *z) = (point[0] * scale, point[1] * scale, point[2] * scale);
+            v = v.wrapping_add(step);
+        }
+    }
+}
+
+/// Sets each vector to twice Newell's area vector of the face between two lines, as
+/// [`area_vector`](super::normals::area_vector) does.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+fn vectors(lower: [&[f64]; 3], upper: [&[f64]; 3], x: &mut [f64], y: &mut [f64], z: &mut [f64]) {
+    let n = x.len();
+    let (y, z) = (&mut y[..n], &mut z[..n]);
+    let [ax, ay, az] = lower.map(|row| &row[..n]);
+    let [bx, by, bz] = lower.map(|row| &row[1..][..n]);
+    let [cx, cy, cz] = upper.map(|row| &row[1..][..n]);
+    let [dx, dy, dz] = upper.map(|row| &row[..n]);
+    for i in 0..n {
+        let a = [ax[i], ay[i], az[i]];
+        let b = [bx[i] - a[0], by[i] - a[1], bz[i] - a[2]];
+        let c = [cx[i] - a[0], cy[i] - a[1], cz[i] - a[2]];
+        let d = [dx[i] - a[0], dy[i] - a[1], dz[i] - a[2]];
+        // the sum starts from zero, as in `area_vector`
+        x[i] = (0.0 + (b[1] * c[2] - b[2] * c[1])) + (c[1] * d[2] - c[2] * d[1]);
+        y[i] = (0.0 + (b[2] * c[0] - b[0] * c[2])) + (c[2] * d[0] - c[0] * d[2]);
+        z[i] = (0.0 + (b[0] * c[1] - b[1] * c[0])) + (c[0] * d[1] - c[1] * d[0]);
+    }
+}
+
+/// Sets each sum to that of the four faces around a vertex: two of the row below and two of the row above, in order.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+fn around(sums: &mut [f64], below: &[f64], above: &[f64]) {
+    let n = sums.len();
+    let [left_below, right_below] = [&below[..n], &below[1..][..n]];
+    let [left_above, right_above] = [&above[..n], &above[1..][..n]];
+    for i in 0..n {
+        sums[i] = (((0.0 + left_below[i]) + right_below[i]) + left_above[i]) + right_above[i];
+    }
+}
