@@ -136,41 +136,30 @@ pub fn unit<const N: usize>(v: [f64; N]) -> [f64; N] {
     direction(v).unwrap_or([0.0; N])
 }
 
-/// Scales vectors of space to length 1 as [`unit`] does, to the same bits; the coordinates along each axis lie side by
-/// side.
+/// Fills `out` with the [`unit`] vectors of some vectors, whose coordinates along each axis lie side by side.
 ///
 /// # Panics
-/// If there are fewer coordinates along the second or the third axis than along the first.
-pub fn units([x, y, z]: [&mut [f64]; 3]) {
-    if are_safe(x, y, z) {
-        return divide_by_lengths(x, y, z);
+/// If there are fewer coordinates along an axis than vectors in `out`.
+pub fn units([x, y, z]: [&[f64]; 3], out: &mut [Vector]) {
+    if divide_by_lengths(x, y, z, out) {
+        return;
     }
-    for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
-        [*x, *y, *z] = unit([*x, *y, *z]);
+    for (((out, &x), &y), &z) in out.iter_mut().zip(x).zip(y).zip(z) {
+        *out = unit([x, y, z]);
     }
 }
 
-/// Returns whether the squared lengths of all vectors are among the [`SAFE_SQUARES`].
+/// Divides vectors by their lengths, and returns whether all squared lengths are among the [`SAFE_SQUARES`].
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn are_safe(x: &[f64], y: &[f64], z: &[f64]) -> bool {
-    let n = x.len();
-    let (y, z) = (&y[..n], &z[..n]);
-    let mut is_unsafe = 0;
+fn divide_by_lengths(x: &[f64], y: &[f64], z: &[f64], out: &mut [Vector]) -> bool {
+    let n = out.len();
+    let (x, y, z) = (&x[..n], &y[..n], &z[..n]);
+    let mut n_unsafe = 0;
     for k in 0..n {
         let square = x[k] * x[k] + y[k] * y[k] + z[k] * z[k];
-        is_unsafe |= u64::from(!SAFE_SQUARES.contains(&square));
+        n_unsafe += usize::from(!SAFE_SQUARES.contains(&square));
+        let length = sqrt(square);
+        out[k] = [x[k] / length, y[k] / length, z[k] / length];
     }
-    is_unsafe == 0
-}
-
-#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn divide_by_lengths(x: &mut [f64], y: &mut [f64], z: &mut [f64]) {
-    let n = x.len();
-    let (y, z) = (&mut y[..n], &mut z[..n]);
-    for k in 0..n {
-        let length = sqrt(x[k] * x[k] + y[k] * y[k] + z[k] * z[k]);
-        x[k] /= length;
-        y[k] /= length;
-        z[k] /= length;
-    }
+    n_unsafe == 0
 }

@@ -79,6 +79,7 @@ struct GridRun {
     lines: [Coordinates; 2],
     /// The vectors of the faces in a row, and of those in the row below.
     vectors: [Coordinates; 2],
+    /// The sums at the vertices inside a grid.
     sums: Coordinates,
 }
 
@@ -93,7 +94,7 @@ impl GridRun {
     ) {
         self.lines.iter_mut().flatten().for_each(|row| row.resize(n + 1, 0.0));
         self.vectors.iter_mut().flatten().for_each(|row| row.resize(n, 0.0));
-        self.sums.iter_mut().for_each(|row| row.resize(n - 1, 0.0));
+        self.sums.iter_mut().for_each(|sums| sums.resize(inner.len(), 0.0));
         let mut lower = line(0);
         read(&lower, (positions, scale), &mut self.lines[1]);
         for j in 0..n {
@@ -105,32 +106,36 @@ impl GridRun {
             let [x, y, z] = &mut self.vectors[0];
             vectors(lower_row, upper_row, x, y, z);
             self.give(n, j, [&lower, &upper]);
-            if let Some(inner) = j.checked_sub(1).map(|row| &mut inner[row * (n - 1)..][..n - 1]) {
+            if let Some(row) = j.checked_sub(1) {
                 let [above, below] = &self.vectors;
                 for ((sums, below), above) in self.sums.iter_mut().zip(below).zip(above) {
-                    around(sums, below, above);
-                }
-                units(self.sums.each_mut().map(|row| &mut row[..]));
-                let [x, y, z] = &self.sums;
-                for (((normal, x), y), z) in inner.iter_mut().zip(x).zip(y).zip(z) {
-                    *normal = [*x, *y, *z];
+                    around(&mut sums[row * (n - 1)..][..n - 1], below, above);
                 }
             }
             lower = upper;
         }
+        units(self.sums.each_ref().map(|sums| &sums[..]), inner);
     }
 
     /// Keeps the vectors of row `j` for the vertices on sides.
     fn give(&mut self, n: usize, j: usize, [lower, upper]: [&VertexLine; 2]) {
-        let [x, y, z] = &self.vectors[0];
-        let is_whole = j == 0 || j + 1 == n;
-        let step = if is_whole { 1 } else { n - 1 };
-        for i in (0..n).step_by(step) {
-            let vector = [x[i], y[i], z[i]];
-            let on_side = |i: usize, j: usize| i == 0 || j == 0 || i == n || j == n;
-            let corners = [(lower, i, j), (lower, i + 1, j), (upper, i + 1, j + 1), (upper, i, j + 1)];
-            let corners = corners.into_iter().filter(|&(_, i, j)| on_side(i, j));
-            self.given.extend(corners.map(|(line, i, _)| (line.at(i), vector)));
+        let Self { given, vectors: [[x, y, z], _], .. } = self;
+        let vector = |i: usize| [x[i], y[i], z[i]];
+        let mut give_line = |line: &VertexLine| {
+            for i in 0..n {
+                given.extend([i, i + 1].map(|at| (line.at(at), vector(i))));
+            }
+        };
+        if j == 0 {
+            give_line(lower);
+        }
+        if j + 1 == n {
+            give_line(upper);
+        }
+        for (i, at) in [(0, 0), (n - 1, n)] {
+            let lines = [lower, upper];
+            let lines = &lines[usize::from(j == 0)..if j + 1 == n { 1 } else { 2 }];
+            given.extend(lines.iter().map(|line| (line.at(at), vector(i))));
         }
     }
 }

@@ -14,6 +14,8 @@ use crate::watch::Watch;
 pub(super) struct Positions<'a> {
     source: PositionSource<'a>,
     largest: f64,
+    /// Whether all coordinates are known to fit.
+    is_checked: bool,
 }
 
 enum PositionSource<'a> {
@@ -26,17 +28,17 @@ impl<'a> Positions<'a> {
     /// Reads the vertices of a mesh; they are fetched on each use unless the mesh holds them in order.
     pub(super) fn of_mesh(mesh: &'a dyn MeshSource) -> Self {
         let held = mesh.held_positions().map(|rows| PositionSource::Held(rows.into()));
-        Self { source: held.unwrap_or(PositionSource::Mesh(mesh)), largest: f64::MAX }
+        Self { source: held.unwrap_or(PositionSource::Mesh(mesh)), largest: f64::MAX, is_checked: false }
     }
 
     /// Reads the points of a polygon with at most three coordinates; missing coordinates are zero.
     pub(super) fn of_curve(curve: &'a Curve) -> Self {
-        Self { source: PositionSource::Curve(curve), largest: f64::MAX }
+        Self { source: PositionSource::Curve(curve), largest: f64::MAX, is_checked: false }
     }
 
     /// Restricts coordinates to the range of f32.
     pub(super) fn within_f32(self) -> Self {
-        Self { largest: f64::from(f32::MAX), ..self }
+        Self { largest: f64::from(f32::MAX), is_checked: false, ..self }
     }
 
     /// Reads all positions into memory, and refuses coordinates that do not fit.
@@ -47,7 +49,7 @@ impl<'a> Positions<'a> {
                 self.check(i * ROWS_PER_CHUNK, rows)
             };
             let unfit = rows.par_chunks(ROWS_PER_CHUNK).enumerate().map(check).find_first(Result::is_err);
-            return unfit.unwrap_or(Ok(())).map(|()| self);
+            return unfit.unwrap_or(Ok(())).map(|()| Self { is_checked: true, ..self });
         }
         let (mut rows, mut buffer) = (Vec::with_capacity(self.len()), Vec::new());
         in_chunks(self.len(), |range| {
@@ -55,7 +57,7 @@ impl<'a> Positions<'a> {
             rows.extend_from_slice(self.rows_in(range, &mut buffer)?);
             Ok::<_, FormatError>(())
         })?;
-        Ok(Self { source: PositionSource::Held(rows.into()), largest: self.largest })
+        Ok(Self { source: PositionSource::Held(rows.into()), is_checked: true, ..self })
     }
 
     /// Returns the positions in memory: all after [`Positions::held`], otherwise possibly none.
@@ -121,6 +123,9 @@ impl<'a> Positions<'a> {
     }
 
     fn check(&self, start: usize, rows: &[[f64; 3]]) -> Result<(), FormatError> {
+        if self.is_checked {
+            return Ok(());
+        }
         let fits = |x: f64| x.abs() <= self.largest;
         // without an early exit, so that the loop is vectorised
         if rows.as_flattened().iter().fold(true, |all, &x| all & fits(x)) {
