@@ -188,7 +188,7 @@ impl<'a> Buffer<'a> {
                 |rows, out| vectors(rows, out, normals::or_up),
             )?;
         } else if self.amounts.normals {
-            normals = normals_of(mesh, self.smooth, &part.positions, stream.watch)?;
+            normals = normals_of(mesh, self.smooth, (&part.positions, Some(&part.bounds)), stream.watch)?;
             stream.rows(&normals, |_, rows, out| vectors(rows, out, normals::or_up))?;
             if self.targets.is_empty() {
                 normals = Kept::default();

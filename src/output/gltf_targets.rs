@@ -92,7 +92,7 @@ impl<'a> MorphTarget<'a> {
 
     /// Writes the displacements of normals from those of [`normals_of`] for the first frame.
     pub(super) fn write_normals(&self, from: &[[f64; 3]], stream: &mut Stream<'_>) -> Result<(), FormatError> {
-        let to = normals_of(self.mesh, self.smooth, &self.positions, stream.watch)?;
+        let to = normals_of(self.mesh, self.smooth, (&self.positions, None), stream.watch)?;
         stream.rows(&to, |start, rows, out| {
             let from = from[start..].iter().copied().map(normals::or_up);
             encode(from, rows.iter().copied().map(normals::or_up), [0.0; 3], out);
@@ -101,18 +101,18 @@ impl<'a> MorphTarget<'a> {
 }
 
 /// Returns the unit normals of all vertices of a mesh with these positions, zero where they are undefined; if seams
-/// split vertices, those of the whole vertices.
+/// split vertices, those of the whole vertices. The box around the positions is given if it is known.
 ///
 /// # Errors
 /// Positions that f32 cannot hold, or a stopped watch.
 pub(super) fn normals_of(
     mesh: &dyn MeshSource,
     smooth: Option<&dyn MeshSource>,
-    positions: &Positions<'_>,
+    (positions, bounds): (&Positions<'_>, Option<&CoordinateBounds<3>>),
     watch: &Watch,
 ) -> Result<Kept<[f64; 3]>, FormatError> {
     Ok(match smooth {
-        None => normals::of(mesh, positions.rows(), watch)?,
+        None => normals::of_within(mesh, positions.rows(), bounds, watch)?,
         Some(smooth) => {
             let positions = Positions::of_mesh(smooth).held(watch)?;
             normals::split_vertices(mesh, smooth, positions.rows(), watch)?

@@ -24,7 +24,15 @@ use crate::watch::{Stopped, Watch};
 /// # Errors
 /// [`Stopped`] when the watch says so.
 pub fn area(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Kept<[f64; 3]>, Stopped> {
-    let scale = scale(positions);
+    area_scaled(mesh, (positions, scale(positions)), watch)
+}
+
+/// Returns [`area`] normals of positions that are given with their [`scale`].
+fn area_scaled(
+    mesh: &dyn MeshSource,
+    (positions, scale): (&[[f64; 3]], f64),
+    watch: &Watch,
+) -> Result<Kept<[f64; 3]>, Stopped> {
     if let Some(grid) = mesh.quad_grid().filter(|grid| grid.pieces() >= LEAST_PIECES) {
         return grid_normals::area(mesh, grid, (positions, scale), watch);
     }
@@ -36,12 +44,26 @@ pub fn area(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Res
 /// # Errors
 /// [`Stopped`] when the watch says so.
 pub fn of(mesh: &dyn MeshSource, positions: &[[f64; 3]], watch: &Watch) -> Result<Kept<[f64; 3]>, Stopped> {
+    of_within(mesh, positions, None, watch)
+}
+
+/// Returns the same as [`of`]; `bounds` is the box around the positions, if it is known.
+///
+/// # Errors
+/// [`Stopped`] when the watch says so.
+pub(super) fn of_within(
+    mesh: &dyn MeshSource,
+    positions: &[[f64; 3]],
+    bounds: Option<&CoordinateBounds<3>>,
+    watch: &Watch,
+) -> Result<Kept<[f64; 3]>, Stopped> {
+    let area = || area_scaled(mesh, (positions, bounds.map_or_else(|| scale(positions), scale_of)), watch);
     let mut normals = Vec::new();
-    let Some(source) = mesh.normals() else { return area(mesh, positions, watch) };
+    let Some(source) = mesh.normals() else { return area() };
     source.of_vertices(0..mesh.n_vertices(), &mut normals);
     let is_missing = |normal: &[f64; 3]| normal.iter().all(|&x| x == 0.0);
     if normals.iter().any(is_missing) {
-        let area = area(mesh, positions, watch)?;
+        let area = area()?;
         normals
             .iter_mut()
             .zip(&*area)
