@@ -1,5 +1,7 @@
 //! Area normals of meshes whose faces form grids: row by row, the coordinates along each axis side by side.
 
+use std::ops::RangeInclusive;
+
 use multiversion::multiversion;
 use rayon::prelude::*;
 
@@ -10,11 +12,11 @@ use crate::shape::grid::QuadGrid;
 use crate::shape::line::VertexLine;
 use crate::watch::{Stopped, Watch};
 
-/// Minimum number of pieces of an input edge for which rows are worth it: with half of it they are shorter than a
-/// register, and face by face is as fast.
-pub(super) const LEAST_PIECES: usize = 4;
+/// Numbers of pieces of an input edge for which rows are worth it. With fewer they are shorter than a register, and
+/// face by face is as fast; with more a grid has more faces than a part, and many threads would share few grids.
+pub(super) const PIECES: RangeInclusive<usize> = 4..=64;
 
-/// Number of faces of a part, approximately, which one thread sums at a time. Half of it makes twice as many tasks; twice
+/// Approximate number of faces of a part, which one thread sums at a time. Half of it makes twice as many tasks; twice
 /// of it holds twice the memory.
 const FACES_PER_PART: usize = 4_096;
 
@@ -25,8 +27,8 @@ const PARTS_PER_SUM: usize = 16;
 /// Returns the [`area`](super::normals::area) normals of a mesh of grids, to the same bits; positions are given with
 /// their [`scale`](super::normals::scale).
 ///
-/// Vertices inside input faces belong to the faces of one grid. Contributions to other vertices are kept, and added grid
-/// after grid.
+/// Vertices inside input faces belong to the faces of one grid. Contributions to other vertices are kept, and added
+/// grid after grid.
 ///
 /// # Errors
 /// [`Stopped`] when the watch says so.
@@ -40,10 +42,12 @@ pub(super) fn area(
     let (shared, inner) = normals.split_at_mut(grid.first_inner());
     shared.par_chunks_mut(ROWS_PER_CHUNK).for_each(|sums| sums.fill([0.0; 3]));
     let n = grid.pieces();
-    let per_part = (FACES_PER_PART / (n * n)).max(1);
-    let mut parts: Vec<GridRun> = Vec::new();
-    parts.resize_with(PARTS_PER_SUM, GridRun::default);
     let per_grid = (n - 1) * (n - 1);
+    let per_part = (FACES_PER_PART / (n * n)).min(inner.len() / per_grid).max(1);
+    let n_parts = inner.len().div_ceil(per_part * per_grid).min(PARTS_PER_SUM);
+    // corners take a vector each, and other vertices on sides two
+    let part = |_| GridRun { given: Vec::with_capacity(per_part * (8 * n - 4)), ..GridRun::default() };
+    let mut parts: Vec<GridRun> = (0..n_parts).map(part).collect();
     for (round, inner) in inner.chunks_mut(PARTS_PER_SUM * per_part * per_grid).enumerate() {
         watch.check()?;
         let work = parts.par_iter_mut().zip(inner.par_chunks_mut(per_part * per_grid)).enumerate();

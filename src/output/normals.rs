@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::kept::Kept;
 use crate::math::vector::{cross, minus, plus, times, unit};
 use crate::output::bounds::CoordinateBounds;
-use crate::output::grid_normals::{self, LEAST_PIECES};
+use crate::output::grid_normals::{self, PIECES};
 use crate::output::scene::{FaceChunk, MeshSource, OnDemandSource, ROWS_PER_CHUNK, in_chunks};
 use crate::output::vertex_sums::sums;
 use crate::watch::{Stopped, Watch};
@@ -33,7 +33,7 @@ fn area_scaled(
     (positions, scale): (&[[f64; 3]], f64),
     watch: &Watch,
 ) -> Result<Kept<[f64; 3]>, Stopped> {
-    if let Some(grid) = mesh.quad_grid().filter(|grid| grid.pieces() >= LEAST_PIECES) {
+    if let Some(grid) = mesh.quad_grid().filter(|grid| PIECES.contains(&grid.pieces())) {
         return grid_normals::area(mesh, grid, (positions, scale), watch);
     }
     sums(mesh, |face| area_vector(face, positions, scale), unit, watch)

@@ -12,8 +12,8 @@ use super::weave::GridRow;
 use crate::shape::tile::Tile;
 use crate::shape::topology::index;
 
-/// Minimum number of faces that one task refines, approximately: half as many refine more stars twice; twice as many let
-/// threads wait longer.
+/// Minimum number of faces that one task refines, approximately: half as many refine more stars twice; twice as many
+/// let threads wait longer.
 const LEAST_FACES_OF_TASK: usize = 1 << 14;
 
 /// Maximum number of faces that one task refines, approximately. With half as many, level 5 of mixed meshes takes a
