@@ -351,7 +351,10 @@ impl<const W: usize> SweepRun<'_, W> {
             planes.now[plane][at..at + W].copy_from_slice(&star[point]);
         };
         let own = surface.patches.ring(v).position(|ring| ring == half_edge).unwrap_or(0);
-        let sectors = [(0, Some(own)), (-1, shape.neighbour(own, false)), (1, shape.neighbour(own, true))];
+        // after the last round nobody reads beyond the sides
+        let is_last = round + 1 == sweep.rounds.len();
+        let beside = |onward| if is_last { None } else { shape.neighbour(own, onward) };
+        let sectors = [(0, Some(own)), (-1, beside(false)), (1, beside(true))];
         for (turn, face) in sectors.into_iter().filter_map(|(turn, face)| Some((turn, face?))) {
             let frame = CornerFrame::new(surface.tile, block.pieces, side, turn);
             put(&frame, [0, 0], 0);
