@@ -149,7 +149,8 @@ pub fn units([x, y, z]: [&[f64]; 3], out: &mut [Vector]) {
     }
 }
 
-/// Divides vectors by their lengths, and returns whether all squared lengths are among the [`SAFE_SQUARES`].
+/// Divides vectors by their lengths, and returns whether all squared lengths are among the [`SAFE_SQUARES`]; if not,
+/// `out` means nothing.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn divide_by_lengths(x: &[f64], y: &[f64], z: &[f64], out: &mut [Vector]) -> bool {
     let n = out.len();

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use crate::kept::Kept;
 use crate::math::vector::{plus, unit, units};
 use crate::output::scene::{MeshSource, ROWS_PER_CHUNK};
+use crate::output::vertex_sums::{FACES_PER_PART, PARTS_PER_SUM};
 use crate::shape::grid::QuadGrid;
 use crate::shape::line::VertexLine;
 use crate::watch::{Stopped, Watch};
@@ -15,14 +16,6 @@ use crate::watch::{Stopped, Watch};
 /// Numbers of pieces of an input edge for which rows are worth it. With fewer they are shorter than a register, and
 /// face by face is as fast; with more a grid has more faces than a part, and many threads would share few grids.
 pub(super) const PIECES: RangeInclusive<usize> = 4..=64;
-
-/// Approximate number of faces of a part, which one thread sums at a time. Half of it makes twice as many tasks; twice
-/// of it holds twice the memory.
-const FACES_PER_PART: usize = 4_096;
-
-/// Maximum number of parts that are summed before their shared sums are added: 65,536 faces, at most 60 bytes each.
-/// Half of it leaves work for eight threads only; twice of it holds twice the memory.
-const PARTS_PER_SUM: usize = 16;
 
 /// Returns the [`area`](super::normals::area) normals of a mesh of grids, to the same bits; positions are given with
 /// their [`scale`](super::normals::scale).
@@ -77,7 +70,7 @@ type Coordinates = [Vec<f64>; 3];
 /// Consecutive grids, and memory for their rows.
 #[derive(Default)]
 struct GridRun {
-    /// The vectors of faces at sides of the grids, each for a vertex there, in the order of the faces.
+    /// Vertices on sides of the grids with the vectors of their faces, those of each vertex in the order of its faces.
     given: Vec<(u32, [f64; 3])>,
     /// The vertices on the lower and on the upper line of a row of faces.
     lines: [Coordinates; 2],
@@ -121,7 +114,8 @@ impl GridRun {
         units(self.sums.each_ref().map(|sums| &sums[..]), inner);
     }
 
-    /// Keeps the vectors of row `j` for the vertices on sides.
+    /// Keeps the vectors of row `j` for the vertices on sides. No face of the input has a vertex twice, so those of each
+    /// vertex come in the order of its faces.
     fn give(&mut self, n: usize, j: usize, [lower, upper]: [&VertexLine; 2]) {
         let Self { given, vectors: [[x, y, z], _], .. } = self;
         let vector = |i: usize| [x[i], y[i], z[i]];
@@ -137,9 +131,12 @@ impl GridRun {
             give_line(upper);
         }
         for (i, at) in [(0, 0), (n - 1, n)] {
-            let lines = [lower, upper];
-            let lines = &lines[usize::from(j == 0)..if j + 1 == n { 1 } else { 2 }];
-            given.extend(lines.iter().map(|line| (line.at(at), vector(i))));
+            if j > 0 {
+                given.push((lower.at(at), vector(i)));
+            }
+            if j + 1 < n {
+                given.push((upper.at(at), vector(i)));
+            }
         }
     }
 }

@@ -13,11 +13,11 @@ use crate::watch::{Stopped, Watch};
 
 /// Number of faces of a part, which one thread sums at a time; its data stay in the cache of a core. Half of it makes
 /// more vertices common to two parts; twice of it no longer fits into half a megabyte.
-const FACES_PER_PART: usize = 4_096;
+pub(super) const FACES_PER_PART: usize = 4_096;
 
 /// Maximum number of parts that are summed before their shared sums are added: 65,536 faces, 60 bytes each. Half of it
 /// leaves work for eight threads only; twice of it holds twice the memory.
-const PARTS_PER_SUM: usize = 16;
+pub(super) const PARTS_PER_SUM: usize = 16;
 
 /// Returns for each vertex what `finish` makes of the sum of the vectors of its faces, added in the order of the faces.
 ///

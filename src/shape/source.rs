@@ -61,8 +61,8 @@ pub trait MeshSource: CarriedSource + OriginSource + std::fmt::Debug + Sync {
         None
     }
 
-    /// Returns the order of the vertices and of the faces, hidden ones included, if the mesh was split into quads and
-    /// all faces of its input are quads.
+    /// Returns the order of the vertices and of the faces, hidden ones included, if all faces were split into grids of
+    /// quads and were quads before.
     fn quad_grid(&self) -> Option<&QuadGrid> {
         None
     }

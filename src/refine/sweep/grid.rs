@@ -341,7 +341,7 @@ mod tests {
         Plan::resolve(&input, Subject { is_mesh: true, ..Subject::default() }).expect("a plan for meshes")
     }
 
-    /// The planes of all schemes that are swept are computed together, as long as they are far from lines.
+    /// The planes of all schemes that are swept are computed together on nets without lines.
     #[test]
     fn planes_are_computed_together() {
         let quads = ["catmull-clark", "bilinear", "repeated-averaging", "push-back", "kobbelt", "UCCP", "UCPCP"];

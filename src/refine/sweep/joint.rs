@@ -65,11 +65,12 @@ impl JointMask {
         Some(Self { run, weights, points, ranges })
     }
 
-    /// Returns the parts of a range in which the sums are not computed.
+    /// Returns the parts of a range of one of the masks in which the sums are not computed. The range must lie in one of
+    /// the ranges that were wanted, which are those of rows or a single one, so that it meets at most one range.
     pub(super) fn without(&self, range: &Range<usize>) -> impl Iterator<Item = Range<usize>> + use<> {
-        let meets = |own: &&Range<usize>| own.start < range.end && range.start < own.end;
-        let own = self.ranges.iter().find(meets).cloned().unwrap_or(range.end..range.end);
-        [range.start..own.start, own.end..range.end].into_iter().filter(|rest| !rest.is_empty())
+        let meets = |computed: &&Range<usize>| computed.start < range.end && range.start < computed.end;
+        let computed = self.ranges.iter().find(meets).cloned().unwrap_or(range.end..range.end);
+        [range.start..computed.start, computed.end..range.end].into_iter().filter(|part| !part.is_empty())
     }
 
     /// Sets the planes to the sums, or adds these, at each index in the ranges; planes beyond those of the masks are
@@ -258,16 +259,16 @@ mod tests {
             let mut planes = after.iter_mut().take(masks.len());
             let planes = std::array::from_fn(|_| planes.next().map(|plane| &mut plane[..]).unwrap_or_default());
             joint.combine(&source, planes, &mut Upcoming::default());
-            let rest: Vec<_> = wanted.iter().flat_map(|range| joint.without(range)).collect();
+            let left: Vec<_> = wanted.iter().flat_map(|range| joint.without(range)).collect();
             for k in 0..LEN {
                 let has = |ranges: &[Range<usize>]| ranges.iter().any(|range| range.contains(&k));
                 let members = masks.iter().flatten().flat_map(|group| &group.members);
                 let is_known = members.map(|point| k.checked_add_signed(point.1)).all(|k| k.is_some_and(|k| k < LEN));
-                prop_assert!(has(&wanted) || !has(&rest));
-                prop_assert!(is_known || !has(&wanted) || has(&rest));
+                prop_assert!(has(&wanted) || !has(&left));
+                prop_assert!(is_known || !has(&wanted) || has(&left));
                 for plane in 0..PLANES {
                     let old = before[plane][k];
-                    let new = match masks.get(plane).filter(|_| has(&wanted) && !has(&rest)) {
+                    let new = match masks.get(plane).filter(|_| has(&wanted) && !has(&left)) {
                         Some(groups) if run.adds => old + sum_at(groups, &source, k),
                         Some(groups) => sum_at(groups, &source, k),
                         None => old,

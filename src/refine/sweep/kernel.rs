@@ -34,9 +34,9 @@ impl FlatMask {
         Self { ranges: ranges_within(members, len, wanted), groups }
     }
 
-    /// Leaves sums to other masks: keeps the `rest` of each range alone.
-    pub(super) fn keep<R: Iterator<Item = Range<usize>>>(&mut self, rest: impl Fn(&Range<usize>) -> R) {
-        self.ranges = self.ranges.iter().flat_map(rest).collect();
+    /// Keeps only those parts of each range that `parts` returns.
+    pub(super) fn keep<R: Iterator<Item = Range<usize>>>(&mut self, parts: impl Fn(&Range<usize>) -> R) {
+        self.ranges = self.ranges.iter().flat_map(parts).collect();
     }
 
     /// Sets `out[k]` to the sum over the groups for each `k` in the ranges, or adds the sum if `adds` is set. Meanwhile
@@ -54,7 +54,7 @@ impl FlatMask {
             &source[plane as usize][start..start + n]
         };
         // adding group by group gives the same sum as long as the first group starts it
-        let starts = self.groups.len() == 1 || !adds;
+        let starts = if adds { self.groups.len() == 1 } else { !self.groups.is_empty() };
         if !starts || self.groups.iter().any(|group| !matches!(group.members.len(), 1 | 2 | 4 | 6)) {
             return any(out, &self.groups, source, first, adds);
         }

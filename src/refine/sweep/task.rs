@@ -20,8 +20,9 @@ const LEAST_FACES_OF_TASK: usize = 1 << 14;
 /// hundredth longer, with an eighth a sixteenth; twice as many make no measurable difference.
 const MOST_FACES_OF_TASK: usize = 1 << 17;
 
-/// Number of tasks from which on they become larger instead of more: enough for all threads to finish together.
-const ENOUGH_TASKS: usize = 64;
+/// Number of tasks per thread from which on they become larger instead of more. With half as many threads wait longer
+/// for the last one; twice as many make no measurable difference.
+const TASKS_PER_THREAD: usize = 32;
 
 /// A point, the point that follows it in a face on one side, and the value of the first one there.
 pub(crate) type SideValue<const W: usize> = ([u32; 2], [f64; W]);
@@ -72,9 +73,9 @@ impl Sweep {
         let on_edge = order.pieces() - 1;
         let (mut edges, mut inner) = points.split_at_mut(base.n_edges() * on_edge);
         let mut at = [base.n_vertices(), base.n_vertices() + edges.len()];
-        let pieces = order.pieces() * order.pieces();
-        let faces = (base.n_faces() * pieces / ENOUGH_TASKS).clamp(LEAST_FACES_OF_TASK, MOST_FACES_OF_TASK);
-        let most = (faces / pieces).max(1);
+        let faces_of_each = order.pieces() * order.pieces();
+        let faces = base.n_faces() * faces_of_each / (TASKS_PER_THREAD * rayon::current_num_threads());
+        let most = (faces.clamp(LEAST_FACES_OF_TASK, MOST_FACES_OF_TASK) / faces_of_each).max(1);
         let (mut tasks, mut e) = (Vec::new(), 0);
         for first in (0..base.n_faces()).step_by(most) {
             let last = (first + most).min(base.n_faces());

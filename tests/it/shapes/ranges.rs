@@ -67,6 +67,7 @@ fn area_normals_are_sums_in_the_order_of_the_faces_whoever_adds_them() {
     let split = json!({ "word": "UC", "parameters": { "split": "triangle" } });
     let meshes = [
         refined(&with_holes(nets::mixed().input(), &[1]), &word("UC"), 6),
+        refined(&nets::cube().input(), &word("UC"), 6),
         refined(&nets::cube().input(), &word("UC"), 7),
         refined(&nets::grid(40, 40).input(), &word("UC"), 3),
         refined(&with_holes(nets::grid(3, 2).input(), &[1, 5]), &word("UC"), 3),
