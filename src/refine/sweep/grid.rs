@@ -322,45 +322,57 @@ fn steps_on_line(axis: usize, start: [isize; 2], reach: [[isize; 2]; 2], size: G
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
     use crate::math::parameter::Literal;
+    use crate::refine::sweep::joint::LOOPS;
+    use crate::refine::sweep::lanes::Lanes;
     use crate::refine::sweep::mask::{halo, passes};
     use crate::scheme::operator::Role;
-    use crate::scheme::plan::{Plan, PlanInput, Subject};
+    use crate::scheme::plan::{Carried, Plan, PlanInput, Subject};
     use crate::shape::tile::Tile;
 
-    fn plan(scheme: &str, tile: Tile) -> Plan {
+    fn plan(scheme: &str, tile: Tile, kernel: f64, lanes: Option<Lanes>) -> Plan {
         let is_word = scheme.starts_with('U');
-        let split = ("split".to_owned(), Literal::Text("triangle".to_owned()));
+        let split = || ("split".to_owned(), Literal::Text("triangle".to_owned()));
+        let kernel = (kernel < 1.0).then(|| ("kernel".to_owned(), Literal::Number(kernel)));
         let input = PlanInput {
             preset: (!is_word).then(|| scheme.to_owned()),
             word: is_word.then(|| scheme.to_owned()),
-            parameters: Some(split).filter(|_| is_word && tile == Tile::Triangle).into_iter().collect(),
+            parameters: kernel.into_iter().chain((is_word && tile == Tile::Triangle).then(split)).collect(),
             ..PlanInput::default()
         };
-        Plan::resolve(&input, Subject { is_mesh: true, ..Subject::default() }).expect("a plan for meshes")
+        let subject = Subject { is_mesh: true, carried: lanes.map(|_| Carried::Latitude), ..Subject::default() };
+        Plan::resolve(&input, subject).expect("a plan for meshes")
     }
 
-    /// The planes of all schemes that are swept are computed together on nets without lines.
+    /// The planes of all schemes that are swept are computed together on nets without lines, and each loop serves one.
     #[test]
     fn planes_are_computed_together() {
-        let quads = ["catmull-clark", "bilinear", "repeated-averaging", "push-back", "kobbelt", "UCCP", "UCPCP"];
-        let triangles = ["loop", "butterfly", "UC", "UCCP"];
-        let of = |tile| move |scheme| (scheme, tile);
-        for (scheme, tile) in quads.into_iter().map(of(Tile::Quad)).chain(triangles.into_iter().map(of(Tile::Triangle)))
-        {
-            let plan = plan(scheme, tile);
+        let plain = |scheme: &'static str| (scheme, Tile::Quad, 1.0, None);
+        let quads =
+            ["catmull-clark", "bilinear", "repeated-averaging", "push-back", "kobbelt", "UCCP", "UCPCP"].map(plain);
+        let triangles = ["loop", "butterfly", "UC", "UCCP"].map(|scheme| (scheme, Tile::Triangle, 1.0, None));
+        let kernels = [("UC", Tile::Quad, 0.75, None), ("UC", Tile::Triangle, 0.75, None)];
+        let lanes = [false, true].map(|turned| Some(Lanes::with_alpha(0.5).seen(turned)));
+        let tubes = lanes.map(|lanes| ("UCP", Tile::Quad, 1.0, lanes));
+        let mut met = BTreeSet::new();
+        for (scheme, tile, kernel, lanes) in quads.into_iter().chain(triangles).chain(kernels).chain(tubes) {
+            let plan = plan(scheme, tile, kernel, lanes);
             let steps = plan.schedule(2).expect("finite parameters");
             for round in steps.chunk_by(|_, next| next.letter.facts().role != Role::Upsample) {
-                let passes = passes(&plan, round, tile, &[], None).expect("masks");
+                let passes = passes(&plan, round, tile, &[], lanes).expect("masks");
                 let halo = halo(tile, &passes).expect("a halo");
                 for grids in [1, 16] {
                     let size = GridSize { cells: 4, halo, width: 3, grids, place: 0 };
                     for pass in flat_passes(&passes, size, 0) {
                         assert_eq!(pass.moves.contains(&true), pass.joint.is_some(), "{scheme}: {:?}", pass.planes);
+                        met.extend(pass.joint.and_then(|joint| joint.number()));
                     }
                 }
             }
         }
+        assert!(met.into_iter().eq(0..LOOPS.len()), "each loop serves a scheme");
     }
 }

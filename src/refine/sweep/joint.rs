@@ -26,7 +26,7 @@ type JointSums = fn([&mut [f64]; PLANES], &[f64; MAX_GROUPS], &[&[f64]; MAX_POIN
 
 /// A loop over the masks of several planes.
 #[derive(Debug)]
-struct JointLoop {
+pub(super) struct JointLoop {
     shape: Shape<'static>,
     /// Whether the sums are added to the planes.
     adds: bool,
@@ -63,6 +63,12 @@ impl JointMask {
         weights.iter_mut().zip(masks.iter().copied().flatten()).for_each(|(weight, group)| *weight = group.weight);
         let ranges = ranges_within(points.iter().copied(), len, wanted);
         Some(Self { run, weights, points, ranges })
+    }
+
+    /// Returns the number of the loop.
+    #[cfg(test)]
+    pub(super) fn number(&self) -> Option<usize> {
+        LOOPS.iter().position(|run| std::ptr::eq(run, self.run))
     }
 
     /// Returns the parts of a range of one of the masks in which the sums are not computed. The range must lie in one of
@@ -149,7 +155,7 @@ macro_rules! loops {
         )+
 
         /// The loops, by the masks of common schemes.
-        static LOOPS: &[JointLoop] = &[$(JointLoop {
+        pub(super) static LOOPS: &[JointLoop] = &[$(JointLoop {
             shape: &[$(&[&[$($member),+] $(, &[$($other),+])*]),+],
             adds: adds!($op),
             run: |[$($plane),+, ..], weights, points| {

@@ -40,6 +40,12 @@ impl Lanes {
         if all { Ok(Some(Self { alpha, turned: false })) } else { Err(Uneven) }
     }
 
+    /// Returns lanes of a net all of whose vertices have this alpha, in radians.
+    #[cfg(test)]
+    pub(super) fn with_alpha(alpha: f64) -> Self {
+        Self { alpha: Some(alpha.to_bits()), turned: false }
+    }
+
     /// Returns the same lanes with `turned` set: whether the first direction is that of longitude edges.
     pub(super) fn seen(self, turned: bool) -> Self {
         Self { turned, ..self }
