@@ -11,7 +11,7 @@ mod constructed;
 use std::sync::Arc;
 
 use super::line::{VertexLine, lines_across, quads};
-use super::source::Origin;
+use super::origin::Origin;
 use super::tile::Tile;
 use super::topology::{Topology, index};
 

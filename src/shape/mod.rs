@@ -20,6 +20,7 @@ pub mod looks;
 pub mod mesh;
 pub mod numbering;
 pub mod order;
+mod origin;
 pub mod pair;
 pub mod polygon;
 mod repair;

@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::attachments::Attachments;
 use super::creases::CreaseTags;
 use super::grid::QuadGrid;
+pub use super::origin::Origin;
 use super::topology::index;
 
 /// One polygon: `points` holds `n x dimension` coordinates, point after point, in model units.
@@ -189,16 +190,6 @@ pub trait OriginSource {
         out.clear();
         false
     }
-}
-
-/// The input cell in which a vertex arose.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Origin {
-    /// 0 for a vertex, 1 for an edge, 2 for a face.
-    pub dimension: u8,
-    /// The index of the cell; edges are numbered by first appearance when faces are scanned in order, half-edge by
-    /// half-edge.
-    pub cell: u32,
 }
 
 /// Consecutive faces, stored one after another in `vertices`. If all have the same size, as after every split, no

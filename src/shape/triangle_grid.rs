@@ -10,7 +10,7 @@
 use std::sync::Arc;
 
 use super::line::{VertexLine, lines_across_triangle, triangles};
-use super::source::Origin;
+use super::origin::Origin;
 use super::tile::Tile;
 use super::tiling::{Ancestor, Tiling};
 use super::topology::{Topology, index};

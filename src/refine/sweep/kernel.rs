@@ -7,7 +7,6 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::joint::ranges_within;
 use super::upcoming::Upcoming;
 use crate::math::rows::{ascending_sum, symmetric_sum};
 
@@ -74,6 +73,17 @@ impl FlatMask {
             }
         }
     }
+}
+
+/// Returns the parts of the ranges in which all points lie in planes of `len` values.
+pub(super) fn ranges_within(
+    points: impl Iterator<Item = (u8, isize)>,
+    len: usize,
+    wanted: Vec<Range<usize>>,
+) -> Vec<Range<usize>> {
+    let (low, high) = points.fold((0, 0), |(low, high), (_, distance)| (distance.min(low), distance.max(high)));
+    let possible = |range: Range<usize>| range.start.max(low.unsigned_abs())..range.end.min(len - high.unsigned_abs());
+    wanted.into_iter().map(possible).filter(|range| !range.is_empty()).collect()
 }
 
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
