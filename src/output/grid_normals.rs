@@ -114,8 +114,8 @@ impl GridRun {
         units(self.sums.each_ref().map(|sums| &sums[..]), inner);
     }
 
-    /// Keeps the vectors of row `j` for the vertices on sides. No face of the input has a vertex twice, so those of each
-    /// vertex come in the order of its faces.
+    /// Keeps the vectors of row `j` for the vertices on sides. No face of the input has a vertex twice, so those of
+    /// each vertex come in the order of its faces.
     fn give(&mut self, n: usize, j: usize, [lower, upper]: [&VertexLine; 2]) {
         let Self { given, vectors: [[x, y, z], _], .. } = self;
         let vector = |i: usize| [x[i], y[i], z[i]];

@@ -71,8 +71,8 @@ impl JointMask {
         LOOPS.iter().position(|run| std::ptr::eq(run, self.run))
     }
 
-    /// Returns the parts of a range of one of the masks in which the sums are not computed. The range must lie in one of
-    /// the ranges that were wanted, which are those of rows or a single one, so that it meets at most one range.
+    /// Returns the parts of a range of one of the masks in which the sums are not computed. The range must lie in one
+    /// of the ranges that were wanted, which are those of rows or a single one, so that it meets at most one range.
     pub(super) fn without(&self, range: &Range<usize>) -> impl Iterator<Item = Range<usize>> + use<> {
         let meets = |computed: &&Range<usize>| computed.start < range.end && range.start < computed.end;
         let computed = self.ranges.iter().find(meets).cloned().unwrap_or(range.end..range.end);
