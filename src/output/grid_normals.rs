@@ -13,9 +13,9 @@ use crate::shape::grid::QuadGrid;
 use crate::shape::line::VertexLine;
 use crate::watch::{Stopped, Watch};
 
-/// Numbers of pieces of an input edge for which rows are worth it. With fewer they are shorter than a register, and
-/// face by face is as fast; with more a grid has more faces than a part, and many threads would share few grids.
-pub(super) const PIECES: RangeInclusive<usize> = 4..=64;
+/// Numbers of pieces of an input edge for which rows are worth it. With half as many they take twice as long as the
+/// faces one by one; with more than the most a grid has more faces than a part, and many threads would share few grids.
+pub(super) const PIECES: RangeInclusive<usize> = 8..=64;
 
 /// Returns the [`area`](super::normals::area) normals of a mesh of grids, to the same bits; positions are given with
 /// their [`scale`](super::normals::scale).
