@@ -136,7 +136,7 @@ pub fn unit<const N: usize>(v: [f64; N]) -> [f64; N] {
     direction(v).unwrap_or([0.0; N])
 }
 
-/// Fills `out` with the [`unit`] vectors of some vectors, whose coordinates along each axis lie side by side.
+/// Fills `out` with the [`unit()`] vectors of some vectors, whose coordinates along each axis lie side by side.
 ///
 /// # Panics
 /// If there are fewer coordinates along an axis than vectors in `out`.
