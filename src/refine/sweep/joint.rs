@@ -19,7 +19,7 @@ const MAX_POINTS: usize = 16;
 const MAX_GROUPS: usize = 14;
 
 /// Planes that a loop computes at an index, each as groups, each as the numbers of its members among the points.
-type LoopShape<'a> = &'a [&'a [&'a [usize]]];
+type LoopShape = &'static [&'static [&'static [usize]]];
 
 /// A function that computes planes from weights and points.
 type JointSums = fn([&mut [f64]; PLANES], &[f64; MAX_GROUPS], &[&[f64]; MAX_POINTS]);
@@ -27,7 +27,7 @@ type JointSums = fn([&mut [f64]; PLANES], &[f64; MAX_GROUPS], &[&[f64]; MAX_POIN
 /// A loop over the masks of several planes.
 #[derive(Debug)]
 pub(super) struct JointLoop {
-    shape: LoopShape<'static>,
+    shape: LoopShape,
     /// Whether the sums are added to the planes.
     adds: bool,
     run: JointSums,
