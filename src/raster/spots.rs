@@ -8,7 +8,7 @@ use super::shade::{Lamps, USUAL_SPREAD, Vec3f};
 /// Spots lit at once.
 /// Eight 32-bit numbers fill a vector register of 256 bits. Half of it leaves half of that empty; twice of it needs two
 /// registers for each number. Colours are the same.
-const SPOT_LANES: usize = 8;
+const SPOT_LANES: usize = 16;
 
 /// A number for each spot.
 type SpotRow = [f32; SPOT_LANES];
@@ -26,12 +26,6 @@ pub(super) struct Spots {
     share: SpotRow,
     pixel: [u32; SPOT_LANES],
     waiting: usize,
-}
-
-/// The normals of spots and their pixel coordinates in the picture, component by component.
-struct SpotShape {
-    normal: [SpotRow; 4],
-    place: [SpotRow; 2],
 }
 
 impl Spots {
@@ -83,44 +77,30 @@ impl Spots {
         light: &mut [[f32; 4]],
         marks: &mut PixelSet,
     ) {
-        let colors = lamps.map_or(self.color, |lamps| lit(lamps, self, &self.shape(corner)));
+        let colors = lamps.map_or(self.color, |lamps| lit(lamps, self, corner));
         add(self, &colors, light, marks);
         self.waiting = 0;
-    }
-
-    /// Returns the normals and the places of all spots, component by component, in a tile that begins at `corner`.
-    fn shape(&self, corner: [f32; 2]) -> SpotShape {
-        let mut shape = SpotShape { normal: [[0.0; SPOT_LANES]; 4], place: [[0.0; SPOT_LANES]; 2] };
-        for i in 0..SPOT_LANES {
-            for k in 0..4 {
-                shape.normal[k][i] = self.normal[i][k];
-            }
-            for (place, (corner, along)) in shape.place.iter_mut().zip(corner.iter().zip(&self.place[i])) {
-                place[i] = corner + along;
-            }
-        }
-        shape
     }
 }
 
 /// Returns red, green and blue of all spots. The loop over lanes has no branches, so that it becomes vector code; wider
 /// vectors give the same bits.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-fn lit(lamps: &Lamps, spots: &Spots, shape: &SpotShape) -> [SpotRow; 3] {
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2", "x86_64+avx"))]
+fn lit(lamps: &Lamps, spots: &Spots, corner: [f32; 2]) -> [SpotRow; 3] {
     let is_metal = spots.metal.iter().any(|metal| *metal > 0.0);
-    if is_metal { lanes::<true>(lamps, spots, shape) } else { lanes::<false>(lamps, spots, shape) }
+    if is_metal { lanes::<true>(lamps, spots, corner) } else { lanes::<false>(lamps, spots, corner) }
 }
 
 #[expect(clippy::inline_always, reason = "only code inside of `lit` uses its wider vectors")]
 #[inline(always)]
-fn lanes<const METAL: bool>(lamps: &Lamps, spots: &Spots, shape: &SpotShape) -> [SpotRow; 3] {
+fn lanes<const METAL: bool>(lamps: &Lamps, spots: &Spots, corner: [f32; 2]) -> [SpotRow; 3] {
     let [mut red, mut green, mut blue] = [[0.0; SPOT_LANES]; 3];
     for i in 0..SPOT_LANES {
-        let normal = [shape.normal[0][i], shape.normal[1][i], shape.normal[2][i]];
+        let [x, y, z, back] = spots.normal[i];
         let color = [spots.color[0][i], spots.color[1][i], spots.color[2][i]];
-        let place = [shape.place[0][i], shape.place[1][i]];
-        let finish = [shape.normal[3][i], spots.metal[i], spots.spread[i]];
-        [red[i], green[i], blue[i]] = lamps.light::<METAL>(normal, color, place, finish);
+        let place = [corner[0] + spots.place[i][0], corner[1] + spots.place[i][1]];
+        let finish = [back, spots.metal[i], spots.spread[i]];
+        [red[i], green[i], blue[i]] = lamps.light::<METAL>([x, y, z], color, place, finish);
     }
     [red, green, blue]
 }
