@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use axum::body::Bytes;
 use axum::http::{HeaderMap, header};
-use http_body::Body;
+use futures_util::FutureExt;
+use http_body::{Body, Frame};
 use http_body_util::BodyExt;
 use tokio::time::Instant;
 
@@ -135,7 +136,8 @@ where
     let is_coming =
         collected.as_ref().is_err_and(|problem| !problem.is(problem::SLOW) && !problem.is(problem::BROKEN_OFF));
     if is_coming && !headers.contains_key(header::EXPECT) && announced(headers).unwrap_or(0) <= DRAINED_BYTES {
-        drain(body, Duration::from_secs(app.settings.body_timeout_s)).await;
+        // in a box, so that requests that are not refused are not moved with room for it
+        Box::pin(drain(body, Duration::from_secs(app.settings.body_timeout_s))).await;
     }
     client.has_sent();
     let RawBody { bytes, charge, kind, coding } = collected?;
@@ -224,10 +226,12 @@ impl<'a, B: Body<Data = Bytes> + Unpin> Arriving<'a, B> {
     /// A body that breaks off, is too long, or too slow.
     pub(super) async fn next(&mut self) -> Result<Option<Bytes>, Problem> {
         loop {
-            let late = Instant::now() + self.pace.grace;
-            let slow = self.start + self.pace.allows(self.length);
-            let frame = tokio::time::timeout_at(late.min(slow), self.body.frame()).await;
-            let Some(frame) = frame.map_err(|_| too_slow(self.pace, late < slow))? else { return Ok(None) };
+            // what has arrived needs no clock
+            let frame = match self.body.frame().now_or_never() {
+                Some(frame) => frame,
+                None => self.waited().await?,
+            };
+            let Some(frame) = frame else { return Ok(None) };
             let frame = frame.map_err(|_| broken_off(self.length))?;
             let Ok(data) = frame.into_data() else { continue };
             self.length += data.len() as u64;
@@ -236,6 +240,14 @@ impl<'a, B: Body<Data = Bytes> + Unpin> Arriving<'a, B> {
             }
             return Ok(Some(data));
         }
+    }
+
+    /// Waits for the next frame, for as long as the pace allows.
+    async fn waited(&mut self) -> Result<Option<Result<Frame<Bytes>, B::Error>>, Problem> {
+        let late = Instant::now() + self.pace.grace;
+        let slow = self.start + self.pace.allows(self.length);
+        let frame = tokio::time::timeout_at(late.min(slow), self.body.frame()).await;
+        frame.map_err(|_| too_slow(self.pace, late < slow))
     }
 }
 

@@ -110,12 +110,12 @@ impl Gate {
     pub(super) fn who(&self, request: &request::Parts, address: Peer) -> Caller {
         let caller = |peer, shown, refused| Caller { peer, shown, refused };
         let (need, ring) = (needed(&request.method, request.uri.path()), self.ring());
-        let now_s = self.clock.wall().as_secs();
+        let now_s = || self.clock.wall().as_secs();
         let judged = match (need, ring.as_ref()) {
             (Need::Signature { .. }, None) => Err(no_keys_here()),
-            (Need::Signature { works }, Some(keys)) => signed(keys, request, works, now_s),
+            (Need::Signature { works }, Some(keys)) => signed(keys, request, works, now_s()),
             (Need::Nothing, _) | (_, None) => return caller(address, Credentials::Nothing, None),
-            (Need::Role(role), Some(keys)) => shown(keys, &request.headers, role, now_s),
+            (Need::Role(role), Some(keys)) => shown(keys, &request.headers, role, now_s()),
         };
         match judged {
             Ok((key, shown)) => caller(Peer::of_key(key.number(), tenant(key)), shown, None),

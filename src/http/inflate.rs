@@ -38,12 +38,13 @@ pub(super) async fn inflated(
         return Ok((packed, charge));
     }
     let (of_lane, of_client) = (app.clone(), client.clone());
-    let inflating = app.desk.read(client.peer(), DECODER_BYTES, move |watch| {
+    // in a box, so that requests that are not packed are not moved with room for it
+    Box::pin(app.desk.read(client.peer(), DECODER_BYTES, move |watch| {
         let inflated = inflate(&of_lane, &of_client, coding, &packed, watch);
         drop((packed, charge));
         inflated
-    });
-    inflating.await?
+    }))
+    .await?
 }
 
 fn inflate(

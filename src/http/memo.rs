@@ -21,6 +21,10 @@ const MAX_REMEMBERED_BYTES: usize = 64 << 10;
 /// often; twice of it may hold twice the memory.
 const MAX_REMEMBERED_REQUESTS: usize = 16_384;
 
+/// What is hashed of most requests beside their bodies, in bytes. Half of it moves some that a browser sends; twice of
+/// it asks for more than is used.
+const USUAL_HEADERS_BYTES: usize = 256;
+
 /// The requests whose jobs were admitted, by their identity.
 #[derive(Debug, Default)]
 pub struct Memo(Mutex<HashMap<Key, RememberedRequest>>);
@@ -50,7 +54,8 @@ pub(super) fn identity(tenant: Tenant, headers: &HeaderMap, notation: &Notation,
     if body.len() > MAX_REMEMBERED_BYTES {
         return None;
     }
-    let mut bytes = (body.len() as u64).to_le_bytes().to_vec();
+    let mut bytes = Vec::with_capacity(body.len() + USUAL_HEADERS_BYTES);
+    bytes.extend_from_slice(&(body.len() as u64).to_le_bytes());
     bytes.extend_from_slice(body);
     if let Notation::File(reader, query) = notation {
         bytes.extend_from_slice(format!("\n{}\n{query}\n", reader.name).as_bytes());

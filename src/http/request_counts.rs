@@ -8,11 +8,14 @@ use axum::http::Method;
 
 use crate::service::lock::lock;
 
-/// The number of answers by method, route and status. All three are closed sets, so that no client can make the table
+/// The number of answers of one route by method and status.
+type RouteCounts = BTreeMap<(&'static str, u16), u64>;
+
+/// The number of answers by route, method and status. All three are closed sets, so that no client can make the table
 /// grow.
 #[derive(Debug, Default)]
 pub(super) struct RequestCounts {
-    answers: Mutex<BTreeMap<(&'static str, String, u16), u64>>,
+    answers: Mutex<BTreeMap<String, RouteCounts>>,
     sent_bytes: AtomicU64,
 }
 
@@ -20,8 +23,13 @@ impl RequestCounts {
     /// Counts an answer.
     pub(super) fn count(&self, method: &Method, route: &str, status: u16) {
         let method = ["GET", "HEAD", "POST", "DELETE", "OPTIONS"].into_iter().find(|known| method == known);
+        let kind = (method.unwrap_or("other"), status);
         let mut table = lock(&self.answers);
-        *table.entry((method.unwrap_or("other"), route.to_owned(), status)).or_default() += 1;
+        if let Some(n) = table.get_mut(route).and_then(|of_route| of_route.get_mut(&kind)) {
+            *n += 1;
+            return;
+        }
+        table.entry(route.to_owned()).or_default().insert(kind, 1);
     }
 
     /// Counts bytes of an answer's body.
@@ -37,6 +45,8 @@ impl RequestCounts {
     /// Calls `tell` with method, route, status and count of each entry, in order.
     pub(super) fn each(&self, mut tell: impl FnMut(&str, &str, u16, u64)) {
         let table = lock(&self.answers);
-        table.iter().for_each(|((method, route, status), n)| tell(method, route, *status, *n));
+        for (route, of_route) in table.iter() {
+            of_route.iter().for_each(|((method, status), n)| tell(method, route, *status, *n));
+        }
     }
 }
