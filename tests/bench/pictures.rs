@@ -23,7 +23,8 @@ pub(crate) fn measure(table: &mut Table) {
     picture(table, "picture of 1M triangles", &nets::refined(18, 4), 60.0);
 }
 
-/// One picture; the ratio is that to copying what a picture reads and writes: positions, faces and pixels.
+/// One picture, of which rendering should take less than `most_ms`; the ratio is that to copying what a picture reads
+/// and writes: positions, faces and pixels.
 fn picture(table: &mut Table, what: &str, mesh: &RefinedMesh, most_ms: f64) {
     let (all, encoding, n_bytes) = written(mesh);
     let n_triangles = mesh.n_half_edges() - 2 * mesh.n_faces();
@@ -36,7 +37,7 @@ fn picture(table: &mut Table, what: &str, mesh: &RefinedMesh, most_ms: f64) {
     });
     let in_copies = |time: Duration| format!("{:.1} x copying it all", time.as_secs_f64() / copying.as_secs_f64());
     let detail = format!("{n_triangles} triangles, {SIDE} x {SIDE}, {} KB of PNG", n_bytes / 1000);
-    table.add(what, (ms(all), "ms"), &in_copies(all), Aim::Below(most_ms), &detail);
+    table.add(what, (ms(all), "ms"), &in_copies(all), Aim::None, &detail);
 
     let positions = mesh.all_positions();
     let watch = Watch::new();
@@ -59,7 +60,8 @@ fn picture(table: &mut Table, what: &str, mesh: &RefinedMesh, most_ms: f64) {
     let drawn = best(|| {
         black_box(render(&model, &camera, look, [SIDE, SIDE], &watch)).expect("nobody stops it");
     });
-    table.add(&format!("render, {what}"), (ms(drawn), "ms"), &in_copies(drawn), Aim::None, "");
+    let aim = Aim::Below(most_ms);
+    table.add(&format!("render, {what}"), (ms(drawn), "ms"), &in_copies(drawn), aim, "");
 
     let megabytes = f64::from(SIDE * SIDE * 3) / 1e6;
     let detail = format!("{:.0} MB/s of pixels", megabytes / encoding.as_secs_f64());
