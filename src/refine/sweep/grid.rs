@@ -98,7 +98,8 @@ impl GridSize {
         (rows[0]..=rows[1]).map(|row| between([columns[0], row], [columns[1], row])).collect()
     }
 
-    fn distance(self, [i, j]: [isize; 2]) -> isize {
+    /// Returns how far apart the values of two points are that lie so many cells apart.
+    pub(super) fn distance(self, [i, j]: [isize; 2]) -> isize {
         (j * self.stride().cast_signed() + i) * self.step().cast_signed()
     }
 

@@ -18,9 +18,9 @@ mod kernel;
 mod lanes;
 mod lattice;
 mod line;
-
 mod mask;
 mod numbering;
+mod overlay;
 mod patch_evaluator;
 mod patches;
 mod places;

@@ -8,7 +8,8 @@ use rayon::prelude::*;
 use super::aligned::AlignedBuffer;
 use super::block::{Block, BlockReceiver, BlockStack};
 use super::grid::{GridLine, GridSize, Planes};
-use super::lattice::{CornerFrame, axis, cell, corner, sector};
+use super::lattice::{CornerFrame, axis, corner};
+use super::overlay::SpecialSides;
 use super::program::{Flat, Sweep};
 use super::star::StarWork;
 use super::upcoming::Upcoming;
@@ -115,6 +116,8 @@ pub(super) struct Worker<const W: usize> {
     stars: Vec<[f64; W]>,
     work: StarWork<W>,
     lines: Vec<GridLine>,
+    /// The sides of the patches that are being refined, unless these are plain.
+    sides: SpecialSides,
     /// Whether the patches that are being refined have neither stars nor lines.
     is_plain: bool,
     /// Number of faces that the watch does not know of yet.
@@ -181,6 +184,9 @@ impl<const W: usize> SweepRun<'_, W> {
                 coarse[at..at + W].copy_from_slice(&self.start[v as usize]);
             });
         }
+        if !worker.is_plain {
+            worker.sides.find(&sweep.surface, patches.clone(), sweep.halo, &worker.star_of);
+        }
         let block = Block { patch: patches.start, at: [0, 0], pieces: size.cells };
         self.descend(0, BlockStack { first: block, patches: patches.len(), grids }, worker, target)
     }
@@ -226,7 +232,7 @@ impl<const W: usize> SweepRun<'_, W> {
         let size = sweep.size(round, W, stack.grids);
         worker.lines.clear();
         if !worker.is_plain {
-            stack.blocks().for_each(|(place, block)| self.lines((size.cells, place), block, &mut worker.lines));
+            stack.blocks().for_each(|(place, block)| self.lines((size.cells, place), block, worker));
         }
         let passes = self.flat.of(sweep.surface.is_turned(stack.first.patch), round, stack.grids > 1);
         let is_last = round + 1 == sweep.rounds.len();
@@ -306,14 +312,14 @@ impl<const W: usize> SweepRun<'_, W> {
     }
 
     /// Collects the lines that cross the grid of a block, which has a place in a stack.
-    fn lines(&self, (cells, grid): (usize, usize), block: Block, lines: &mut Vec<GridLine>) {
-        let surface = &self.sweep.surface;
-        for (side, half_edge) in surface.patches.half_edges(block.patch).enumerate() {
-            let Some(line) = surface.line(half_edge) else { continue };
-            if let Some(range) = block.on_side(surface.tile, side, cells) {
+    fn lines(&self, (cells, grid): (usize, usize), block: Block, worker: &mut Worker<W>) {
+        let tile = self.sweep.surface.tile;
+        for (side, special) in worker.sides.of(block.patch).iter().enumerate() {
+            let Some(line) = special.line else { continue };
+            if let Some(range) = block.on_side(tile, side, cells) {
                 let steps = [range.start().cast_signed(), 0];
-                let from = block.inside(CornerFrame::new(surface.tile, block.pieces, side, 0).place(steps));
-                lines.push(GridLine { grid, line, axis: axis(surface.tile, side), from });
+                let from = block.inside(CornerFrame::new(tile, block.pieces, side, 0).place(steps));
+                worker.lines.push(GridLine { grid, line, axis: axis(tile, side), from });
             }
         }
     }
@@ -321,46 +327,17 @@ impl<const W: usize> SweepRun<'_, W> {
     /// Overwrites the points around the corners of the patch that lie in a block; `size` is that of the block's grid
     /// before the round.
     fn overlay_corners(&self, round: usize, size: GridSize, block: Block, worker: &mut Worker<W>) {
-        let surface = &self.sweep.surface;
-        for (side, half_edge) in surface.patches.half_edges(block.patch).enumerate() {
-            let v = surface.patches.vertex(half_edge) as usize;
-            if worker.star_of[v] == NONE {
-                continue;
-            }
-            let here = block.inside(corner(surface.tile, block.pieces, side));
-            if here.iter().all(|x| (0..=size.cells.cast_signed()).contains(x)) {
-                self.overlay((round, size), block.refined(), half_edge, worker);
-            }
-        }
-    }
-
-    /// Overwrites the points around a corner of the patch, which the loops computed as if the grid were regular, by the
-    /// points of its star; `block` is the block after the round.
-    fn overlay(&self, (round, size): (usize, GridSize), block: Block, half_edge: u32, worker: &mut Worker<W>) {
         let sweep = self.sweep;
-        let surface = &sweep.surface;
-        let v = surface.patches.vertex(half_edge) as usize;
-        let Some(kind) = surface.kind_of(v) else { return };
-        let shape = sweep.shape(kind);
-        let Worker { planes, star_of, stars, .. } = worker;
-        let star = &stars[star_of[v] as usize + round * shape.len()..][..shape.len()];
-        let (_, side) = surface.side(half_edge);
-        let mut put = |frame: &CornerFrame, place: [usize; 2], point: usize| {
-            let (plane, place) = cell(block.inside(frame.place(place.map(usize::cast_signed))));
-            let at = size.at(place);
-            planes.now[plane][at..at + W].copy_from_slice(&star[point]);
-        };
-        let own = surface.patches.ring(v).position(|ring| ring == half_edge).unwrap_or(0);
+        let Worker { planes, stars, sides, .. } = worker;
         // after the last round nobody reads beyond the sides
         let is_last = round + 1 == sweep.rounds.len();
-        let beside = |onward| if is_last { None } else { shape.neighbour(own, onward) };
-        let sectors = [(0, Some(own)), (-1, beside(false)), (1, beside(true))];
-        for (turn, face) in sectors.into_iter().filter_map(|(turn, face)| Some((turn, face?))) {
-            let frame = CornerFrame::new(surface.tile, block.pieces, side, turn);
-            put(&frame, [0, 0], 0);
-            sector(surface.tile, shape.reach).for_each(|place| put(&frame, place, shape.point(face, place)));
-            // the points on the edge towards the next face
-            (1..=shape.reach).for_each(|b| put(&frame, [0, b], shape.point(face, [0, b])));
+        for (side, special) in sides.of(block.patch).iter().enumerate() {
+            let Some(star) = special.star else { continue };
+            let here = block.inside(corner(sweep.surface.tile, block.pieces, side));
+            if here.iter().all(|x| (0..=size.cells.cast_signed()).contains(x)) {
+                let points = star.points(round, stars);
+                sweep.overlay.put(&mut planes.now, (size, here), (side, star), points, is_last);
+            }
         }
     }
 }

@@ -9,6 +9,7 @@ use super::lattice::reach;
 use super::line::SharpSide;
 use super::mask::{Pass, halo, passes};
 use super::numbering::SplitOrder;
+use super::overlay::Overlay;
 use super::star::{StarRound, StarShape};
 use super::surface::PatchSurface;
 use crate::scheme::mesh_net::MeshNet;
@@ -60,6 +61,7 @@ pub(crate) struct Sweep {
     pub(super) first_pieces: usize,
     /// An upper bound of the factor by which values grow over all rounds.
     growth: f64,
+    pub(super) overlay: Overlay,
 }
 
 /// The passes of a round on patches whose first side is a latitude edge, and on those whose first side is a longitude
@@ -198,7 +200,8 @@ impl Sweep {
         let orders = [before, rounds.len()].map(|splits| SplitOrder::new(&net.mesh.base, tile, splits));
         let steps_before = head.iter().map(|round| round.len()).sum();
         let growth = made.iter().map(Round::growth).product::<f64>();
-        Some(Self { surface, halo, before, steps_before, rounds: made, orders, first_pieces, growth })
+        let overlay = Overlay::new(tile, halo);
+        Some(Self { surface, halo, before, steps_before, rounds: made, orders, first_pieces, growth, overlay })
     }
 
     /// Returns whether all values computed from `start` are certain to be finite: they and all intermediate sums stay
@@ -295,9 +298,7 @@ impl Sweep {
 
     /// Returns the shape of the star around a vertex of this kind.
     pub(super) fn shape(&self, kind: usize) -> StarShape {
-        let kind = &self.surface.kinds[kind];
-        let tile = self.surface.tile;
-        StarShape { tile, faces: kind.faces, closed: kind.closed, reach: reach(tile, self.halo) }
+        self.surface.shape(kind, self.halo)
     }
 }
 

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::lanes::Lanes;
-use super::lattice::{CornerFrame, last, sector};
+use super::lattice::{CornerFrame, last, reach, sector};
 use super::line::{SharpSide, softened};
 use super::numbering::SplitOrder;
 use super::star::{StarKind, StarShape};
@@ -151,6 +151,12 @@ impl PatchSurface {
     /// Returns the kind of a vertex of the patches, or `None` where the grid is regular.
     pub(super) fn kind_of(&self, v: usize) -> Option<usize> {
         Some(self.kind_of[v]).filter(|&kind| kind != NONE).map(|kind| kind as usize)
+    }
+
+    /// Returns the shape of the star around a vertex of this kind, for grids with `halo` cells beyond their sides.
+    pub(super) fn shape(&self, kind: usize, halo: usize) -> StarShape {
+        let StarKind { faces, closed, .. } = self.kinds[kind];
+        StarShape { tile: self.tile, faces, closed, reach: reach(self.tile, halo) }
     }
 
     /// Returns the index of the line on which a side of a patch lies, or `None` where it is smooth.
