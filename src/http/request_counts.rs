@@ -8,14 +8,14 @@ use axum::http::Method;
 
 use crate::service::lock::lock;
 
-/// The number of answers of one route by method and status.
-type RouteCounts = BTreeMap<(&'static str, u16), u64>;
+/// The number of answers to requests of one method by route and status.
+type RouteCounts = BTreeMap<String, BTreeMap<u16, u64>>;
 
-/// The number of answers by route, method and status. All three are closed sets, so that no client can make the table
+/// The number of answers by method, route and status. All three are closed sets, so that no client can make the table
 /// grow.
 #[derive(Debug, Default)]
 pub(super) struct RequestCounts {
-    answers: Mutex<BTreeMap<String, RouteCounts>>,
+    answers: Mutex<BTreeMap<&'static str, RouteCounts>>,
     sent_bytes: AtomicU64,
 }
 
@@ -23,13 +23,13 @@ impl RequestCounts {
     /// Counts an answer.
     pub(super) fn count(&self, method: &Method, route: &str, status: u16) {
         let method = ["GET", "HEAD", "POST", "DELETE", "OPTIONS"].into_iter().find(|known| method == known);
-        let kind = (method.unwrap_or("other"), status);
         let mut table = lock(&self.answers);
-        if let Some(n) = table.get_mut(route).and_then(|of_route| of_route.get_mut(&kind)) {
+        let routes = table.entry(method.unwrap_or("other")).or_default();
+        if let Some(n) = routes.get_mut(route).and_then(|counts| counts.get_mut(&status)) {
             *n += 1;
             return;
         }
-        table.entry(route.to_owned()).or_default().insert(kind, 1);
+        routes.entry(route.to_owned()).or_default().insert(status, 1);
     }
 
     /// Counts bytes of an answer's body.
@@ -45,8 +45,10 @@ impl RequestCounts {
     /// Calls `tell` with method, route, status and count of each entry, in order.
     pub(super) fn each(&self, mut tell: impl FnMut(&str, &str, u16, u64)) {
         let table = lock(&self.answers);
-        for (route, of_route) in table.iter() {
-            of_route.iter().for_each(|((method, status), n)| tell(method, route, *status, *n));
+        for (method, routes) in table.iter() {
+            for (route, counts) in routes {
+                counts.iter().for_each(|(status, n)| tell(method, route, *status, *n));
+            }
         }
     }
 }

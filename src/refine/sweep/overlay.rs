@@ -56,7 +56,8 @@ pub(super) struct CornerStar {
 /// The sides of consecutive patches.
 #[derive(Debug, Default)]
 pub(super) struct SpecialSides {
-    first: usize,
+    /// The first of the patches.
+    first_patch: usize,
     /// Number of sides of a patch.
     n: usize,
     sides: Vec<SpecialSide>,
@@ -69,10 +70,18 @@ impl Overlay {
         let places = |at: usize, turn: isize| {
             let frame = CornerFrame::new(tile, 0, at, turn);
             let place = |place: [usize; 2]| cell(frame.place(place.map(usize::cast_signed)));
-            let inside = sector(tile, reach).map(place).collect();
+            let mut inside: Vec<StarPlace> = sector(tile, reach).map(place).collect();
+            inside.shrink_to_fit();
             FacePlaces { inside, on_edge: (1..=reach).map(|b| place([0, b])).collect() }
         };
         Self { corners: (0..tile.sides() as usize).map(|at| TURNS.map(|turn| places(at, turn))).collect() }
+    }
+
+    /// Returns the number of bytes that the places occupy.
+    pub(super) fn bytes(&self) -> usize {
+        let faces = self.corners.as_flattened();
+        let places: usize = faces.iter().map(|face| face.inside.len() + face.on_edge.len()).sum();
+        size_of_val(faces) + places * size_of::<StarPlace>()
     }
 
     /// Overwrites the points around a corner by those of its star after a round. The corner is that of `side`, at the
@@ -114,7 +123,7 @@ impl SpecialSides {
     /// Looks at consecutive patches; `star_of` gives the index of the first point of the star around each vertex, or
     /// [`NONE`].
     pub(super) fn find(&mut self, surface: &PatchSurface, patches: Range<usize>, halo: usize, star_of: &[u32]) {
-        (self.first, self.n) = (patches.start, surface.tile.sides() as usize);
+        (self.first_patch, self.n) = (patches.start, surface.tile.sides() as usize);
         self.sides.clear();
         for half_edge in patches.flat_map(|patch| surface.patches.half_edges(patch)) {
             let v = surface.patches.vertex(half_edge) as usize;
@@ -130,7 +139,7 @@ impl SpecialSides {
 
     /// Returns the sides of a patch.
     pub(super) fn of(&self, patch: usize) -> &[SpecialSide] {
-        let first = (patch - self.first) * self.n;
+        let first = (patch - self.first_patch) * self.n;
         self.sides.get(first..first + self.n).unwrap_or_default()
     }
 }

@@ -258,7 +258,8 @@ impl Sweep {
         const STAR_POINT: usize = 2048;
         let stars: usize = (0..self.surface.kinds.len()).map(|kind| self.shape(kind).len()).sum();
         let corners = self.surface.patches.n_half_edges() + self.surface.base.n_vertices();
-        size_of::<Self>() + PATCH_CORNER_BYTES * corners + STAR_POINT * stars * self.rounds.len()
+        let of_points = PATCH_CORNER_BYTES * corners + STAR_POINT * stars * self.rounds.len();
+        size_of::<Self>() + self.overlay.bytes() + of_points
     }
 
     /// Returns the number of pieces of a patch's side where the sweep ends.

@@ -151,7 +151,13 @@ fn programs_and_meshes_hold_no_more_than_they_say() {
     mapped["mesh"]["channels"] = json!({ "heat": vec![0.5; grid.positions.len()] });
     let plans = ["UC", "UCCP", "UCCC"].map(|word| json!({ "word": word }));
     let changing = json!({ "word": "UCP", "parameters": { "kernel": "cos(alpha/2)", "alpha": "pi/3" } });
-    for plan in plans.iter().chain([&json!({ "preset": "catmull-clark" }), &changing]) {
+    for plan in plans.iter().chain([&json!({ "preset": "catmull-clark" }), &changing, &json!({ "word": "UCCCC" })]) {
+        let least = admitted(&json!({
+            "input": nets::torus(3, 3).input(), "plan": plan, "levels": 4, "outputs": [{ "format": "ply" }]
+        }));
+        let Input::Mesh(mesh) = &*least.job().input else { panic!("it is a mesh") };
+        let [taken, said] = held(|| Program::of(mesh, &least.job().plan, least.job().steps()), Program::bytes);
+        assert!(taken <= said, "a program of few faces takes {taken} and says {said}: {plan:?}");
         for input in [mixed.input(), torus.input(), grid.input(), creased.clone(), mapped.clone()] {
             let job = json!({ "input": input, "plan": plan, "levels": 4, "outputs": [{ "format": "ply" }] });
             let job = admitted(&job);
