@@ -69,8 +69,8 @@ fn parsed(text: &str) -> Option<(&str, &str)> {
     (is_whole && is_known && is_some(id) && is_some(parent)).then_some((id, flags))
 }
 
-/// Returns 32 hexadecimal digits that look random, as the recommendation asks for: a trace id, or a span id in its first
-/// half alone. Ids of one process differ as far as hashes of 64 bits do.
+/// Returns 32 hexadecimal digits that look random, as the recommendation asks for: a trace id, and a span id in its
+/// first half alone. Ids of one process differ as far as hashes of 64 bits do.
 fn new_id() -> String {
     static TRACE_COUNTER: AtomicU64 = AtomicU64::new(0);
     static KEYED: LazyLock<[RandomState; 2]> = LazyLock::new(Default::default);

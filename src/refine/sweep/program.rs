@@ -256,10 +256,14 @@ impl Sweep {
         const PATCH_CORNER_BYTES: usize = 64;
         /// Bytes per point of a star and round, for its rows. Measured: 1,500 for UCCC, whose stencils are wide.
         const STAR_POINT: usize = 2048;
+        /// Bytes per pass of a round, for its masks on smooth grids. Measured: at most 1,100 for words over C and P.
+        /// Masks of lines come with stars, whose bytes leave room for them.
+        const PASS_BYTES: usize = 2048;
         let stars: usize = (0..self.surface.kinds.len()).map(|kind| self.shape(kind).len()).sum();
         let corners = self.surface.patches.n_half_edges() + self.surface.base.n_vertices();
         let of_points = PATCH_CORNER_BYTES * corners + STAR_POINT * stars * self.rounds.len();
-        size_of::<Self>() + self.overlay.bytes() + of_points
+        let passes: usize = self.rounds.iter().flat_map(|round| round.passes.iter()).map(Vec::len).sum();
+        size_of::<Self>() + self.overlay.bytes() + PASS_BYTES * passes + of_points
     }
 
     /// Returns the number of pieces of a patch's side where the sweep ends.
