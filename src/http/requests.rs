@@ -56,13 +56,13 @@ impl ConnectionService {
         self,
         mut parts: request::Parts,
         body: Incoming,
-        (mut caller, is_plain, by_address): (Caller, bool, Option<PlainResource>),
+        (mut caller, is_accepted, by_address): (Caller, bool, Option<PlainResource>),
     ) -> (Response<AnswerBody>, Option<Ticket>) {
         let counted = Counted::new(&self.app, &mut caller, &parts);
         let is_let_in = caller.refused.is_none();
         let (client, mut asked) = (Client { connection: self.connection.clone(), caller }, by_address);
         let is_job = parts.method == Method::POST && parts.uri.path() == RENDER;
-        let body = if is_job && is_let_in && is_plain {
+        let body = if is_job && is_let_in && is_accepted {
             let early = Early::read(&self.app, &client, &parts, body).await;
             asked = PlainResource::render(&parts, early.identity);
             if let Some(answer) = self.again(asked, &parts) {
@@ -106,15 +106,15 @@ impl Service<Request<Incoming>> for ConnectionService {
         let (parts, body) = request.into_parts();
         let caller = self.app.gate.who(&parts, connection.peer);
         let trace = Trace::of(&parts.headers);
-        let is_plain = caller.refused.is_none() && guard::head(&parts, &self.app.settings).is_ok();
-        let asked = PlainResource::get(&parts, caller.peer.tenant()).filter(|_| is_plain);
+        let is_accepted = caller.refused.is_none() && guard::head(&parts, &self.app.settings).is_ok();
+        let asked = PlainResource::get(&parts, caller.peer.tenant()).filter(|_| is_accepted);
         if let Some(mut response) = self.again(asked, &parts) {
             trace.add_headers(response.headers_mut());
             let app = self.app.clone();
             let ending = |content| ReleasingBody { content, app, connection, _in_flight: None };
             return Either::Left(ready(Ok(response.map(ending))));
         }
-        let (app, answer) = (self.app.clone(), self.clone().answer(parts, body, (caller, is_plain, asked)));
+        let (app, answer) = (self.app.clone(), self.clone().answer(parts, body, (caller, is_accepted, asked)));
         Either::Right(Box::pin(async move {
             // every log line of the request has its trace id
             let span = tracing::error_span!("request", trace_id = trace.id());

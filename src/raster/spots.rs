@@ -6,8 +6,8 @@ use super::fine::PixelSet;
 use super::shade::{Lamps, USUAL_SPREAD, Vec3f};
 
 /// Spots lit at once: sixteen 32-bit numbers fill a vector register of 512 bits, or two of 256, which are computed side
-/// by side. With half of it, pictures of small triangles take a twentieth longer; twice of it needs more registers than
-/// there are. Colours are the same.
+/// by side. With half of it and registers of 256 bits, pictures of small triangles take a twentieth longer; twice of it
+/// takes two of 512 for each number. Colours are the same.
 const SPOT_LANES: usize = 16;
 
 /// A number for each spot.

@@ -70,8 +70,7 @@ impl Overlay {
         let places = |at: usize, turn: isize| {
             let frame = CornerFrame::new(tile, 0, at, turn);
             let place = |place: [usize; 2]| cell(frame.place(place.map(usize::cast_signed)));
-            let mut inside: Vec<StarPlace> = sector(tile, reach).map(place).collect();
-            inside.shrink_to_fit();
+            let inside = sector(tile, reach).map(place).collect();
             FacePlaces { inside, on_edge: (1..=reach).map(|b| place([0, b])).collect() }
         };
         Self { corners: (0..tile.sides() as usize).map(|at| TURNS.map(|turn| places(at, turn))).collect() }
@@ -80,7 +79,7 @@ impl Overlay {
     /// Returns the number of bytes that the places occupy.
     pub(super) fn bytes(&self) -> usize {
         let faces = self.corners.as_flattened();
-        let places: usize = faces.iter().map(|face| face.inside.len() + face.on_edge.len()).sum();
+        let places: usize = faces.iter().map(|face| face.inside.capacity() + face.on_edge.capacity()).sum();
         size_of_val(faces) + places * size_of::<StarPlace>()
     }
 

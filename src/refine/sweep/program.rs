@@ -256,7 +256,7 @@ impl Sweep {
         const PATCH_CORNER_BYTES: usize = 64;
         /// Bytes per point of a star and round, for its rows. Measured: 1,500 for UCCC, whose stencils are wide.
         const STAR_POINT: usize = 2048;
-        /// Bytes per pass of a round, for its masks on smooth grids. Measured: at most 1,100 for words over C and P.
+        /// Bytes per pass of a round, for its masks on smooth grids. Measured: at most 1,100 for UCCP.
         /// Masks of lines come with stars, whose bytes leave room for them.
         const PASS_BYTES: usize = 2048;
         let stars: usize = (0..self.surface.kinds.len()).map(|kind| self.shape(kind).len()).sum();
