@@ -105,8 +105,8 @@ pub(super) struct SweepRun<'a, const W: usize> {
 #[derive(Debug, Default)]
 pub(super) struct Worker<const W: usize> {
     planes: Planes,
-    /// For each round but the last the refined grids: the stacks of the next round, one after the other.
-    woven: Vec<AlignedBuffer>,
+    /// For each round but the last the refined grids, as the stacks of the next round.
+    woven: Vec<Vec<AlignedBuffer>>,
     /// For each vertex of the patches the index of the first point of its star; [`NONE`] if the star is not refined
     /// yet.
     star_of: Vec<u32>,
@@ -252,19 +252,14 @@ impl<const W: usize> SweepRun<'_, W> {
             return Ok(());
         }
         if worker.woven.len() <= round {
-            worker.woven.resize_with(round + 1, AlignedBuffer::default);
+            worker.woven.resize_with(round + 1, Vec::new);
         }
         let mut woven = std::mem::take(&mut worker.woven[round]);
         let grids = stack.grids.min(self.flat.grids(round + 1));
         let fine = GridSize { cells: 2 * size.cells, grids, ..size };
         weave::<W>(&worker.planes, size, fine, &mut woven);
         let stack = BlockStack { first: stack.first.refined(), ..stack };
-        if fine.cells == sweep.rounds[round + 1].cells && grids == stack.grids {
-            std::mem::swap(&mut woven, &mut worker.planes.now[0]);
-            worker.woven[round] = woven;
-            return self.descend(round + 1, stack, worker, target);
-        }
-        for ((place, first), woven) in stack.blocks().step_by(grids).zip(woven.chunks_exact(fine.len())) {
+        for ((place, first), woven) in stack.blocks().step_by(grids).zip(&mut woven) {
             let part = BlockStack { first, patches: grids.min(stack.patches - place), grids };
             self.divide(round, (woven, fine), part, worker, target)?;
         }
@@ -282,18 +277,24 @@ impl<const W: usize> SweepRun<'_, W> {
     }
 
     /// Refines a stack further, whose grids were refined in `round`: whole, or part by part if they have become too
-    /// large.
+    /// large. What the grids held is lost.
     fn divide(
         &self,
         round: usize,
-        (woven, fine): (&[f64], GridSize),
+        (woven, fine): (&mut AlignedBuffer, GridSize),
         stack: BlockStack,
         worker: &mut Worker<W>,
         target: &mut impl BlockReceiver<W>,
     ) -> Result<(), Stopped> {
         let (next, refined) = (self.sweep.size(round + 1, W, stack.grids), stack.first);
-        let parts = if fine.cells == next.cells { 1 } else { 2 };
-        for corner in [[0, 0], [1, 0], [0, 1], [1, 1]].into_iter().filter(|corner| corner.iter().all(|&x| x < parts)) {
+        if fine.cells == next.cells {
+            if stack.blocks().any(|(_, block)| target.wants(block, next.cells)) {
+                std::mem::swap(woven, &mut worker.planes.now[0]);
+                self.descend(round + 1, stack, worker, target)?;
+            }
+            return Ok(());
+        }
+        for corner in [[0, 0], [1, 0], [0, 1], [1, 1]] {
             let offset = corner.map(|x| x * next.cells);
             let at: [usize; 2] = std::array::from_fn(|axis| refined.at[axis] + offset[axis]);
             let is_beyond = self.sweep.tile() == Tile::Triangle && at[0] + at[1] >= refined.pieces;

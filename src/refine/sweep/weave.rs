@@ -61,16 +61,18 @@ fn pair_up<'a, const W: usize>(
 }
 
 /// Interleaves the planes of a stack of grids into the grids that are refined in the next round. These are divided into
-/// stacks of the size `fine`, one after the other.
-pub(super) fn weave<const W: usize>(planes: &Planes, size: GridSize, fine: GridSize, out: &mut AlignedBuffer) {
+/// stacks of the size `fine`, each in a buffer of its own.
+pub(super) fn weave<const W: usize>(planes: &Planes, size: GridSize, fine: GridSize, out: &mut Vec<AlignedBuffer>) {
     let stacks = size.grids / fine.grids;
-    let out = out.first(stacks * fine.len());
+    if out.len() < stacks {
+        out.resize_with(stacks, AlignedBuffer::default);
+    }
     let halo = size.halo.cast_signed();
     let length = fine.stride() * fine.step();
     // row by row, as all stacks share the lines of memory of a row
     for (row, first) in (-halo..).zip((0..fine.len()).step_by(length)) {
-        for stack in 0..stacks {
-            let out = &mut out[stack * fine.len() + first..][..length];
+        for (stack, out) in out[..stacks].iter_mut().enumerate() {
+            let out = &mut out.first(fine.len())[first..][..length];
             let size = size.stacked(stack * fine.grids);
             let start = size.at([(-halo).div_euclid(2), row.div_euclid(2)]);
             let plane = |odd: usize| &planes.now[odd + 2 * row.rem_euclid(2).unsigned_abs()][start..];
