@@ -39,7 +39,7 @@ impl Program {
         watch: &Watch,
     ) -> Result<RefinedMesh, RefineError> {
         let (net, points) = (mesh_net(mesh, plan), numbers(mesh));
-        let refined = match swept(&net, &points, plan, steps, self.points.as_ref(), watch)? {
+        let refined = match swept(net, points, plan, steps, self.points.as_ref(), watch)? {
             Some((net, numbers)) => {
                 let places = refined_places_by(&self.places, mesh, plan, steps, watch)?;
                 carrying(mesh, &net, RefinedMesh::documented, numbers, places)

@@ -88,7 +88,7 @@ pub(super) fn refined_places_by(
     let refined = |(places, sweep): (Places<'_>, &Option<Sweep>)| {
         let net = seam_net(mesh, places.seams, plan);
         let points = Points::new(places.values.to_vec(), places.width);
-        let found = swept(&net, &[points], plan, &followed(places.seams, steps), sweep.as_ref(), watch)?;
+        let found = swept(net, vec![points], plan, &followed(places.seams, steps), sweep.as_ref(), watch)?;
         let Some((net, numbers)) = found else { return by_rows(mesh, places, plan, steps, watch) };
         let order = VertexOrder::documented(&net);
         let points = numbers.into_iter().next().unwrap_or_default();

@@ -52,8 +52,7 @@ impl StreamedMesh {
         watch.enter(Stage::Sweep);
         let points = vec![Points::new(mesh.positions.clone(), 3)];
         let (net, mut points) = act_on(net, points, plan, &steps[..sweep.steps_before()], watch)?;
-        let (given, mut start) = (points.swap_remove(0).now, Vec::new());
-        VertexOrder::constructed(&net).values(&given, 3, 0..given.len() / 3, &mut start);
+        let start = VertexOrder::constructed(&net).ordered(points.swap_remove(0).now, 3);
         let net = net.after_splits(sweep.tile(), sweep.splits() - net.mesh.pieces.len());
         let shape = carrying(mesh, &net, RefinedMesh::documented, Vec::new(), Vec::new());
         Ok(Some(Self { shape, points: OnDemand::new(sweep, start, watch) }))

@@ -17,8 +17,8 @@ use crate::watch::{Stage, Watch};
 /// # Errors
 /// [`RefineError`].
 pub(super) fn swept(
-    net: &MeshNet,
-    points: &[Points],
+    net: MeshNet,
+    points: Vec<Points>,
     plan: &Plan,
     steps: &[Scheduled],
     sweep: Option<&Sweep>,
@@ -26,13 +26,11 @@ pub(super) fn swept(
 ) -> Result<Option<(MeshNet, Vec<Numbers>)>, RefineError> {
     let Some(sweep) = sweep else { return Ok(None) };
     watch.enter(Stage::Sweep);
-    let (net, points) = act_on(net.clone(), points.to_vec(), plan, &steps[..sweep.steps_before()], watch)?;
+    let (net, points) = act_on(net, points, plan, &steps[..sweep.steps_before()], watch)?;
     let order = VertexOrder::constructed(&net);
     let mut numbers = Vec::with_capacity(points.len());
     for points in points {
-        let mut start = Vec::new();
-        order.values(&points.now, points.width, 0..points.now.len() / points.width, &mut start);
-        let swept = sweep.refine(&start, points.width, watch)?;
+        let swept = sweep.refine(&order.ordered(points.now, points.width), points.width, watch)?;
         if !swept.finite {
             watch.enter(Stage::Refine);
             return Ok(None);

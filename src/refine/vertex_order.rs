@@ -81,6 +81,16 @@ impl VertexOrder {
         });
     }
 
+    /// Returns the values of all vertices, `width` each, in the documented order.
+    pub(super) fn ordered(&self, all: Vec<f64>, width: usize) -> Vec<f64> {
+        if self.is_documented() {
+            return all;
+        }
+        let mut ordered = Vec::new();
+        self.values(&all, width, 0..all.len() / width, &mut ordered);
+        ordered
+    }
+
     /// Writes the values of the vertices in `range`, `width` each, to `out` in the documented order.
     pub(super) fn values(&self, all: &[f64], width: usize, range: Range<usize>, out: &mut Vec<f64>) {
         let Some(order) = self.way() else {

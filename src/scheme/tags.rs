@@ -82,7 +82,7 @@ impl Tags {
 
 /// Returns the tagged corners and, if the boundary rule demands it, boundary vertices with one face.
 fn fixed(topology: &Topology, corners: &[u32], boundary: Boundary) -> Arc<[u32]> {
-    if boundary != Boundary::EdgeAndCorner {
+    if boundary != Boundary::EdgeAndCorner || topology.n_boundary() == 0 {
         return corners.into();
     }
     let is_lone = |&v: &usize| topology.boundary_edges(v).is_some() && topology.ring(v).count() == 1;

@@ -29,7 +29,8 @@ pub struct QuadGrid {
     is_binary: bool,
     /// Whether all base faces are quads.
     is_quads: bool,
-    /// For each base face the offset of its first inner vertex, from the first inner vertex of all faces.
+    /// For each base face the number of inner vertices of those before it; empty if all base faces are quads, which
+    /// have equally many.
     inner: Vec<u32>,
 }
 
@@ -40,9 +41,10 @@ impl QuadGrid {
     /// With no split, which a base of quads may have, the order is that of the base.
     pub fn new(base: Arc<Topology>, parent: Arc<Topology>, pieces: Arc<[u32]>) -> Self {
         let n = pieces.iter().map(|&d| d as usize).product();
-        let sizes = (0..base.n_faces()).map(|f| inner_vertices(base.face(f).len(), n));
-        let inner = sizes.scan(0, |sum, size| Some(std::mem::replace(sum, *sum + index(size)))).collect();
         let (is_binary, is_quads) = (pieces.iter().all(|&d| d == 2), base.is_quads());
+        let counted = 0..if is_quads { 0 } else { base.n_faces() };
+        let sizes = counted.map(|f| inner_vertices(base.face(f).len(), n));
+        let inner = sizes.scan(0, |sum, size| Some(std::mem::replace(sum, *sum + index(size)))).collect();
         Self { base, parent, pieces, n, is_binary, is_quads, inner }
     }
 
@@ -73,7 +75,8 @@ impl QuadGrid {
 
     /// Number of vertices.
     pub fn n_vertices(&self) -> usize {
-        self.first_inner() + self.inner.last().map_or(0, |&last| last as usize + self.inner_of(self.inner.len() - 1))
+        let last = self.base.n_faces().checked_sub(1);
+        self.first_inner() + last.map_or(0, |last| self.inner_before(last) + self.inner_of(last))
     }
 
     /// Number of faces, all of them quads.
@@ -131,7 +134,7 @@ impl QuadGrid {
     pub(crate) fn lines(&self, f: usize) -> impl Fn(usize) -> VertexLine {
         let first = self.base.half_edges(f).start;
         let sides = [self.side(first), self.side(first + 1), self.side(first + 2), self.side(first + 3)];
-        let inner = self.first_inner() + self.inner[f] as usize;
+        let inner = self.first_inner() + self.inner_before(f);
         move |j| lines_across(&sides, inner)(j)
     }
 
@@ -194,8 +197,13 @@ impl QuadGrid {
         inner_vertices(self.base.face(f).len(), self.n)
     }
 
+    /// Returns the number of points inside the base faces before `f`.
+    fn inner_before(&self, f: usize) -> usize {
+        if self.is_quads { f * inner_vertices(4, self.n) } else { self.inner[f] as usize }
+    }
+
     fn inner_vertex(&self, f: usize, place: usize) -> u32 {
-        index(self.first_inner() + self.inner[f] as usize + place)
+        index(self.first_inner() + self.inner_before(f) + place)
     }
 
     fn quad_vertex(&self, f: usize, i: usize, j: usize) -> u32 {
@@ -250,8 +258,12 @@ impl QuadGrid {
 
     /// The base face inside which vertex `v` lies.
     fn face_around(&self, v: usize) -> usize {
-        let inner = index(v - self.first_inner());
-        self.inner.partition_point(|&first| first <= inner) - 1
+        let inner = v - self.first_inner();
+        if self.is_quads {
+            // with one piece an edge there are no inner vertices, and nobody asks
+            return inner / inner_vertices(4, self.n).max(1);
+        }
+        self.inner.partition_point(|&before| before as usize <= inner) - 1
     }
 }
 

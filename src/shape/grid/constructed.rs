@@ -39,7 +39,7 @@ impl QuadGrid {
             };
         }
         let f = self.face_around(v);
-        self.constructed_in_face(f, v - self.first_inner() - self.inner[f] as usize)
+        self.constructed_in_face(f, v - self.first_inner() - self.inner_before(f))
     }
 
     /// Calls `each` with the index in the order of construction of each vertex in `range`.
@@ -49,7 +49,7 @@ impl QuadGrid {
         let mut v = range.start.max(inside);
         while v < range.end {
             let f = self.face_around(v);
-            let first = inside + self.inner[f] as usize;
+            let first = inside + self.inner_before(f);
             let end = range.end.min(first + self.inner_of(f));
             (v - first..end - first).for_each(|inner| each(self.constructed_in_face(f, inner)));
             v = end;
