@@ -46,9 +46,10 @@ impl VertexLine {
         [self.second, self.step]
     }
 
-    /// Returns the vertex at a position other than the first and the last.
+    /// Returns the vertex at a position other than the first and the last; at these, where it would be if all vertices
+    /// were evenly spaced.
     fn between(&self, i: usize) -> u32 {
-        self.second.wrapping_add(self.step.wrapping_mul(index(i - 1)))
+        self.second.wrapping_add(self.step.wrapping_mul(index(i).wrapping_sub(1)))
     }
 }
 
@@ -98,20 +99,14 @@ pub(super) fn quads(n: usize, first: usize, mut out: &mut [[u32; 4]], line: impl
 }
 
 fn row_of_quads(lower: &VertexLine, upper: &VertexLine, from: usize, row: &mut [[u32; 4]]) {
-    let quad = |i: usize| [lower.at(i), lower.at(i + 1), upper.at(i + 1), upper.at(i)];
-    let to = from + row.len();
-    let between = from.max(1)..to.min(lower.n - 1);
-    if between.is_empty() {
-        (from..to).zip(row).for_each(|(i, out)| *out = quad(i));
-        return;
+    evenly_spaced([lower, upper].map(|line| line.between(from)), [lower.step, upper.step], row);
+    // the ends of the lines are the only vertices that are not evenly spaced
+    let [starts, ends] = [from == 0, from + row.len() == lower.n];
+    if starts && let Some(quad) = row.first_mut() {
+        (quad[0], quad[3]) = (lower.first, upper.first);
     }
-    let out = &mut row[between.start - from..between.end - from];
-    evenly_spaced([lower, upper].map(|line| line.between(between.start)), [lower.step, upper.step], out);
-    if from == 0 {
-        row[0] = quad(0);
-    }
-    if to == lower.n {
-        row[to - 1 - from] = quad(to - 1);
+    if ends && let Some(quad) = row.last_mut() {
+        (quad[1], quad[2]) = (lower.last, upper.last);
     }
 }
 
