@@ -229,6 +229,9 @@ impl PatchSurface {
         [n, halo]: [usize; 2],
         mut put: impl FnMut([isize; 2], u32),
     ) {
+        if self.tile == Tile::Quad && halo == 1 && self.is_whole(order) {
+            return self.gather_corners(patch, put);
+        }
         let (tile, patches, [most, depths]) = (self.tile, &self.patches, [n, halo].map(usize::cast_signed));
         let first = patches.half_edges(patch).start;
         for (j, i) in (0..=n).flat_map(|j| (0..=last(tile, n, j)).map(move |i| (j, i))) {
@@ -249,6 +252,32 @@ impl PatchSurface {
             }
             if self.kind_of[patches.vertex(half_edge) as usize] == NONE {
                 self.gather_across(order, half_edge, [n, halo], &mut put);
+            }
+        }
+    }
+
+    /// [`gather`](Self::gather) for undivided quads and one cell beyond them: all points are corners of faces. At low
+    /// levels this is a good part of the work.
+    fn gather_corners(&self, patch: usize, mut put: impl FnMut([isize; 2], u32)) {
+        /// For each side its start, the two points beyond the side, and the one across its start.
+        const PLACES: [[[isize; 2]; 4]; 4] = [
+            [[0, 0], [0, -1], [1, -1], [-1, -1]],
+            [[1, 0], [2, 0], [2, 1], [2, -1]],
+            [[1, 1], [1, 2], [0, 2], [2, 2]],
+            [[0, 1], [-1, 1], [-1, 0], [-1, 2]],
+        ];
+        let patches = &self.patches;
+        let opposite = |half_edge| patches.vertex(patches.next(patches.next(half_edge)));
+        let onward = |half_edge| patches.twin(patches.previous(half_edge));
+        for (half_edge, [start, first, second, across]) in patches.half_edges(patch).zip(PLACES) {
+            let (corner, twin) = (patches.vertex(half_edge), patches.twin(half_edge));
+            put(start, corner);
+            if twin != NONE {
+                put(first, opposite(twin));
+                put(second, patches.vertex(patches.previous(twin)));
+            }
+            if self.kind_of[corner as usize] == NONE {
+                put(across, opposite(onward(onward(half_edge))));
             }
         }
     }
