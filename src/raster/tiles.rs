@@ -50,8 +50,10 @@ pub fn render(
 ) -> Result<Pixmap, Stopped> {
     let (width, height) = (width.clamp(1, MAX_SIDE_PX), height.clamp(1, MAX_SIDE_PX));
     let grid = TileGrid::of(width, height);
-    let shadow = Shadow::of(model, camera, look.shadow, watch)?;
-    let binned = BinnedModel::new(model, camera, grid, watch)?;
+    // threads that wait for the last part of the shadow sort triangles
+    let (shadow, binned) =
+        rayon::join(|| Shadow::of(model, camera, look.shadow, watch), || BinnedModel::new(model, camera, grid, watch));
+    let (shadow, binned) = (shadow?, binned?);
     let mut memory = TileMemory::new(&binned);
     let tiles = memory.drawn(&binned, look.is_fine, watch)?;
     drop(binned);
