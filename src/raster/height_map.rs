@@ -26,8 +26,8 @@ const TOUCHING_HEIGHT: f32 = 0.1;
 /// of taste: halves are hardly visible, and twice of them is black.
 const SHADOW_DARKNESS: [f32; 2] = [0.5, 0.36];
 
-/// Number of triangles that are laid on the map between two questions whether to stop. Half of it asks twice as often;
-/// with twice of it, threads wait longer for each other at the end.
+/// Number of triangles that are laid on a map between two questions whether to stop, and at least on each map. Half of
+/// it allows twice as many maps, which are all merged; with twice of it, threads wait longer for each other at the end.
 const LAID_TRIANGLES: usize = 4096;
 
 /// A map of the ground: places times `scale` plus `shift` are counted in cells from its corner; heights are unchanged.
@@ -244,7 +244,8 @@ pub(super) fn darkness(heights: &[f32], cells: usize) -> Vec<f32> {
     mixed.collect()
 }
 
-/// Returns the map after three box filters of `2 reach + 1` cells, which approximate a Gaussian. Cells outside are zero.
+/// Returns the map after three box filters of `2 reach + 1` cells, which approximate a Gaussian. Cells outside of it
+/// are zero.
 fn smoothed(mut map: Vec<f32>, cells: usize, reach: usize) -> Vec<f32> {
     let share = 1.0 / (2 * reach + 1) as f32;
     let reach = reach.min(cells);
@@ -264,7 +265,7 @@ fn smoothed(mut map: Vec<f32>, cells: usize, reach: usize) -> Vec<f32> {
 }
 
 /// Cells whose means are found together: as many numbers of 32 bits as the widest registers hold. Half of it leaves
-/// half of these empty; twice of it changes nothing.
+/// half of such a register empty; twice of it leaves a larger rest of a row, which is summed one cell after the other.
 const MEAN_LANES: usize = 16;
 
 /// Finds for each cell of a row the sum of `n` numbers, the first at the cell's own place in `from` and the others each
@@ -330,7 +331,31 @@ mod tests {
         (heights, n_places)
     }
 
+    /// What [`smoothed`] does, one number after the other.
+    fn smoothed_singly(mut map: Vec<f32>, cells: usize, reach: usize) -> Vec<f32> {
+        let share = 1.0 / (2 * reach + 1) as f32;
+        let around = |at: usize| at.saturating_sub(reach)..(at + reach + 1).min(cells);
+        for _ in 0..3 {
+            let across = |y: usize, x: usize| share * around(x).fold(0.0, |sum, x| sum + map[y * cells + x]);
+            let means: Vec<f32> = (0..cells * cells).map(|at| across(at / cells, at % cells)).collect();
+            let down = |y: usize, x: usize| share * around(y).fold(0.0, |sum, y| sum + means[y * cells + x]);
+            map = (0..cells * cells).map(|at| down(at / cells, at % cells)).collect();
+        }
+        map
+    }
+
     proptest! {
+        #[test]
+        fn means_are_those_of_one_number_after_the_other(
+            (cells, reach) in (1..40_usize, 1..12_usize),
+            numbers in collection::vec(0.0..1.0_f32, 1600),
+        ) {
+            let map = numbers[..cells * cells].to_vec();
+            let bits = |map: Vec<f32>| map.into_iter().map(f32::to_bits).collect::<Vec<_>>();
+            let expected = smoothed_singly(map.clone(), cells, reach);
+            prop_assert_eq!(bits(smoothed(map, cells, reach)), bits(expected));
+        }
+
         #[test]
         fn cells_are_lowered_as_by_one_place_after_the_other(
             numbers in collection::vec((-1.5_f32..1.5, -1.5_f32..1.5, -0.1_f32..0.6), 3..40),

@@ -260,7 +260,7 @@ impl QuadGrid {
     fn face_around(&self, v: usize) -> usize {
         let inner = v - self.first_inner();
         if self.is_quads {
-            // with one piece an edge there are no inner vertices, and nobody asks
+            // with one piece an edge there are no inner vertices, and this is not called
             return inner / inner_vertices(4, self.n).max(1);
         }
         self.inner.partition_point(|&before| before as usize <= inner) - 1

@@ -4,9 +4,9 @@ use multiversion::multiversion;
 
 use super::topology::index;
 
-/// Number of quads that are filled by one loop. Half as many mean twice as many calls; from twice as many on, a loop
-/// for sixteen blocks at a time would run, in which the compiler scatters single indices, three times as slow.
-const EVENLY_SPACED: usize = 32;
+/// Number of quads that are filled by one loop. Half of it takes twice as many calls; with twice of it the compiler's
+/// loop for sixteen blocks at a time would run, which scatters single indices and takes three times as long.
+const QUADS_A_LOOP: usize = 32;
 
 /// The indices of the `n + 1` vertices along a line of a grid.
 #[derive(Debug, Clone, Copy)]
@@ -50,8 +50,8 @@ impl VertexLine {
         [self.second, self.step]
     }
 
-    /// Returns the vertex at a position other than the first and the last; at these, where it would be if all vertices
-    /// were evenly spaced.
+    /// Returns the index of the vertex at a position other than the first and the last; at these, the index that it
+    /// would have if all were evenly spaced.
     fn between(&self, i: usize) -> u32 {
         self.second.wrapping_add(self.step.wrapping_mul(index(i).wrapping_sub(1)))
     }
@@ -103,7 +103,7 @@ pub(super) fn quads(n: usize, first: usize, mut out: &mut [[u32; 4]], line: impl
 }
 
 fn row_of_quads(lower: &VertexLine, upper: &VertexLine, from: usize, row: &mut [[u32; 4]]) {
-    for (at, part) in (from..).step_by(EVENLY_SPACED).zip(row.chunks_mut(EVENLY_SPACED)) {
+    for (at, part) in (from..).step_by(QUADS_A_LOOP).zip(row.chunks_mut(QUADS_A_LOOP)) {
         evenly_spaced([lower, upper].map(|line| line.between(at)), [lower.step, upper.step], part);
     }
     // the ends of the lines are the only vertices that are not evenly spaced

@@ -256,8 +256,8 @@ impl PatchSurface {
         }
     }
 
-    /// [`gather`](Self::gather) for undivided quads and one cell beyond them: all points are corners of faces. At low
-    /// levels this is a good part of the work.
+    /// [`gather`](Self::gather) for undivided quads and one cell beyond them: all points are corners of faces. Without
+    /// frames and loops over steps, level 3 takes a twelfth less time.
     fn gather_corners(&self, patch: usize, mut put: impl FnMut([isize; 2], u32)) {
         /// For each side its start, the two points beyond the side, and the one across its start.
         const PLACES: [[[isize; 2]; 4]; 4] = [
