@@ -167,8 +167,8 @@ impl Ours<'_> {
 }
 
 /// How long all threads are kept at work before a run. While the peer runs they sleep, and virtual processors that have
-/// slept do less for a while, as if they shared a core: level 5 takes 22 ms after 10 ms of work, 21 ms after 50 and 19 ms
-/// from 200 on, as in a loop of its own. The peer's only thread is awake, too, when its clock starts.
+/// slept do less for a while, as if they shared a core: level 5 takes 22 ms after 10 ms of work, 21 ms after 50, and 19
+/// ms from 200 on, as in a loop of its own. The peer's only thread is awake, too, when its clock starts.
 const AWAKE: Duration = Duration::from_millis(300);
 
 /// Keeps all threads at work until all processors have woken.
