@@ -15,10 +15,19 @@ pub(super) const SUMS_AT_A_TIME: usize = 16;
 /// The masks of up to [`FUNCTIONALS`] functionals over one array.
 #[derive(Debug)]
 pub(super) struct Bundle {
-    /// The weight of each functional and the distance of the value that is weighted.
-    terms: Vec<([f64; FUNCTIONALS], isize)>,
+    terms: Vec<BundleTerm>,
     /// Number of functionals.
     n: usize,
+}
+
+/// A value that functionals weigh.
+#[derive(Debug, Clone, Copy)]
+struct BundleTerm {
+    weights: [f64; FUNCTIONALS],
+    /// Which of the weights are not zero. Asked for at each step of a loop, this costs less than comparing them.
+    is_weighted: [bool; FUNCTIONALS],
+    /// The distance of the value.
+    distance: isize,
 }
 
 impl Bundle {
@@ -27,16 +36,17 @@ impl Bundle {
     /// # Panics
     /// If there are more than [`FUNCTIONALS`] masks.
     pub(super) fn new(masks: &[Vec<(f64, isize)>]) -> Self {
-        let mut terms: Vec<([f64; FUNCTIONALS], isize)> = Vec::new();
+        let mut terms: Vec<BundleTerm> = Vec::new();
         for (functional, mask) in masks.iter().enumerate() {
             let mut next = 0;
             for &(weight, distance) in mask {
-                let shared = terms[next..].iter().position(|term| term.1 == distance);
+                let shared = terms[next..].iter().position(|term| term.distance == distance);
                 let at = shared.map_or(terms.len(), |ahead| next + ahead);
                 if at == terms.len() {
-                    terms.push(([0.0; FUNCTIONALS], distance));
+                    let (weights, is_weighted) = ([0.0; FUNCTIONALS], [false; FUNCTIONALS]);
+                    terms.push(BundleTerm { weights, is_weighted, distance });
                 }
-                terms[at].0[functional] = weight;
+                (terms[at].weights[functional], terms[at].is_weighted[functional]) = (weight, weight != 0.0);
                 next = at + 1;
             }
         }
@@ -57,15 +67,15 @@ impl Bundle {
 }
 
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2", "x86_64+avx"))]
-fn sums<const N: usize>(rows: [&mut [f64]; N], source: &[f64], first: usize, terms: &[([f64; FUNCTIONALS], isize)]) {
+fn sums<const N: usize>(rows: [&mut [f64]; N], source: &[f64], first: usize, terms: &[BundleTerm]) {
     for start in (0..rows[0].len()).step_by(SUMS_AT_A_TIME) {
         let mut sums = [[-0.0; SUMS_AT_A_TIME]; N];
-        for (weights, distance) in terms {
+        for BundleTerm { weights, is_weighted, distance } in terms {
             let mut values = [0.0; SUMS_AT_A_TIME];
             values.copy_from_slice(&source[(first + start).wrapping_add_signed(*distance)..][..SUMS_AT_A_TIME]);
             for f in 0..N {
                 // a functional without the term does not add zero, which could change the sign of a sum that is zero
-                if weights[f] != 0.0 {
+                if is_weighted[f] {
                     for k in 0..SUMS_AT_A_TIME {
                         sums[f][k] += weights[f] * values[k];
                     }
