@@ -1,5 +1,6 @@
 //! Writing of output files: each file is written beside its final path under a name that ends in `.part`, and renamed
-//! when the whole output is complete, so that neither a failure nor a signal leaves an incomplete file.
+//! when the whole output is complete, so that neither a failure nor a signal leaves an incomplete file. Devices and
+//! pipes take the bytes as they come.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -42,8 +43,11 @@ pub(super) struct Files {
 }
 
 impl Files {
-    /// Creates a file of the output.
+    /// Creates a file of the output, or opens the device or the pipe that the target is.
     pub(super) fn create(&mut self, target: &Path) -> io::Result<File> {
+        if fs::metadata(target).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+            return File::options().write(true).open(target);
+        }
         if WATCHED.set(()).is_ok() {
             watch()?;
         }

@@ -205,6 +205,25 @@ fn a_signal_removes_what_is_unfinished_and_ends_with_128_and_its_number() {
     assert!(render(&with(mesh(1), "glb")).is_ok(), "the job itself is sound");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_pipe_takes_what_is_written_and_stays_a_pipe() {
+    let folder = Folder::new();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("job.json"), with(mesh(2), "glb").to_string()).unwrap();
+    assert!(Command::new("mkfifo").arg(path("pipe")).status().unwrap().success());
+    let pipe = path("pipe");
+    let reader = std::thread::spawn(move || std::fs::read(pipe).unwrap());
+    for target in ["out.glb", "pipe"] {
+        let output = within(&folder, &["render", "job.json", "-o", target, "--format", "glb"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    }
+    let kind = std::fs::symlink_metadata(path("pipe")).unwrap().file_type();
+    assert!(std::os::unix::fs::FileTypeExt::is_fifo(&kind), "no file has taken its place");
+    assert_eq!(reader.join().unwrap(), std::fs::read(path("out.glb")).unwrap());
+    assert_eq!(files(&folder, "").len(), 3, "nothing unfinished is left");
+}
+
 #[test]
 fn levels_of_detail_are_files_beside_the_document() {
     let folder = Folder::new();
