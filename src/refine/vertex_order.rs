@@ -25,7 +25,7 @@ pub(super) struct VertexOrder {
     documented: Option<Order>,
     /// Whether values are stored in the order of construction.
     constructed: bool,
-    /// Size of the topology before the last split, and of what the order stores for each base face.
+    /// Size of the topology before the last split, and of the most that the order stores for each base face.
     bytes: usize,
 }
 

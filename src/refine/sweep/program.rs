@@ -251,8 +251,8 @@ impl Sweep {
 
     /// Returns the number of bytes that the sweep occupies, rounded up rather than down.
     pub(crate) fn bytes(&self) -> usize {
-        /// Bytes per corner of the patches: their topology and that of the base, the sharpness of edges, and the
-        /// indices of a patch's points in both orders.
+        /// Bytes per corner of the patches: their topology and that of the base, the sharpness of edges, and where some
+        /// base faces are no quads, how many points lie inside the faces before each, in both orders.
         const PATCH_CORNER_BYTES: usize = 64;
         /// Bytes per point of a star and round, for its rows. Measured: 1,500 for UCCC, whose stencils are wide.
         const STAR_POINT: usize = 2048;
